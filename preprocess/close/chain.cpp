@@ -243,6 +243,8 @@ Expected<Chain> buildChain(const Mesh& imported, const CloseOptions& options, Cl
 
   if (wanted(CloseStep::kDrop)) {
     dropDuplicates(chain, report);
+    if (report.triangles_flipped && !wanted(CloseStep::kOrient))
+      return needed("a piece that is inside out", CloseStep::kOrient);
     dropCrumbs(chain, options, report);
   }
   return chain;

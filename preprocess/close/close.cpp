@@ -438,15 +438,10 @@ void addPlug(Chain& chain, const Mesh& plug) {
   for (const Triangle& f : plug.triangles) chain.addTriangle(number[f[0]], number[f[1]], number[f[2]]);
 }
 
-/// The exact way: a closed chain to a verified solid. @param plugs  closed, added to it as they face.
-Expected<Result> makeExact(const Mesh& imported, Chain& chain, std::span<const Mesh> plugs, const CloseOptions& options,
+/// The exact way: a closed chain, its pieces turned outwards, to a verified solid.
+/// @param nested  as turnPieces() says.
+Expected<Result> makeExact(const Mesh& imported, Chain& chain, bool nested, const CloseOptions& options,
                            CloseReport& report, const Progress& progress) {
-  const std::size_t flipped = report.triangles_flipped;
-  const bool nested = internal::turnPieces(chain, report);
-  for (const Mesh& plug : plugs) addPlug(chain, plug);
-  if (report.triangles_flipped > flipped && !options.only.empty() && !options.only.count(CloseStep::kOrient))
-    return fail(internal::missingStep("a piece that is inside out", CloseStep::kOrient, options));
-
   const auto pairs = crossingPairs(chain.mesh, kMostCrossings);
   if (pairs.size() >= kMostCrossings)
     return fail(makeError(Error::Code::kGeometry,
@@ -497,12 +492,14 @@ void plugPinholes(const Mesh& imported, const CloseOptions& options, int handles
   const std::size_t lost = lostPlaces(imported, solid).size();
 
   const auto helps = [&](const internal::ShortLoop& loop, bool is_left) {
-    const std::array<Mesh, 1> plug{internal::plugOf(solid, loop, is_left)};
-    if (plug[0].triangles.empty()) return false;
+    const Mesh plug = internal::plugOf(solid, loop, is_left);
+    if (plug.triangles.empty()) return false;
     const auto vertices = static_cast<std::uint32_t>(result.mesh.vertices.size());
     Chain work{.mesh = result.mesh, .source = result.source, .source_vertices = vertices};
     CloseReport unused;
-    Expected<Result> r = makeExact(imported, work, plug, options, unused, progress);
+    const bool nested = internal::turnPieces(work, unused);
+    addPlug(work, plug);
+    Expected<Result> r = makeExact(imported, work, nested, options, unused, progress);
     if (!r || handlesOf(r->mesh) >= now || lostPlaces(imported, r->mesh).size() > lost) return false;
     now = handlesOf(r->mesh);
     result = std::move(*r);
@@ -549,9 +546,13 @@ Expected<Result> attempt(const Mesh& imported, const CloseOptions& options, Chai
   if (wraps(options)) return makeWrap(chain, options, report, progress);
 
   if (!kerf::report(progress, 0.3, "looking for crossings")) return cancelled();
+  const std::size_t flipped = report.triangles_flipped;
+  const bool nested = internal::turnPieces(chain, report);
+  if (report.triangles_flipped > flipped && !options.only.empty() && !options.only.count(CloseStep::kOrient))
+    return fail(internal::missingStep("a piece that is inside out", CloseStep::kOrient, options));
   Chain work = chain;
   CloseReport exact = report;
-  Expected<Result> r = makeExact(imported, work, {}, options, exact, progress);
+  Expected<Result> r = makeExact(imported, work, nested, options, exact, progress);
   if (!r) return r;
   report = std::move(exact);
   if (report.rims_extruded > 0 && options.base_smoothing_mm > 0)

@@ -176,7 +176,14 @@ void dropDuplicates(Chain& chain, CloseReport& report) {
   const std::vector<Triangle>& triangles = chain.mesh.triangles;
   std::vector<char> keep(triangles.size(), 1);
   std::vector<std::uint32_t> copies;
-  const std::size_t cancelled = cancelOpposites(sortedKeys(triangles), keep, copies);
+  std::size_t cancelled = cancelOpposites(sortedKeys(triangles), keep, copies);
+  const std::size_t flipped = report.triangles_flipped;
+  if (cancelled > 0) turnPieces(chain, report);
+  if (report.triangles_flipped > flipped) {  // other triangles lie back to back now
+    keep.assign(triangles.size(), 1);
+    copies.clear();
+    cancelled = cancelOpposites(sortedKeys(triangles), keep, copies);
+  }
   const std::size_t merged = dropCopies(triangles, copies, keep);
   if (cancelled + merged == 0) return;
 

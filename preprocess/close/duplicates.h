@@ -12,7 +12,8 @@ namespace kerf::internal {
 /// sorts.
 void dropRepeatedSurfaces(Chain& chain, CloseReport& report);
 
-/// Opposite copies of a triangle cancel. Equal copies count several times in the chain, which is right where whole
+/// Opposite copies of a triangle cancel, after turnPieces(): a face of a piece that is inside out lies back to back
+/// with one of a piece that it overlaps. Equal copies count several times in the chain, which is right where whole
 /// solids coincide; where one is too many for its edges (a face stored twice in a scan) it goes. Entered in the report.
 void dropDuplicates(Chain& chain, CloseReport& report);
 

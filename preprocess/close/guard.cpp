@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "preprocess/close/kept_parts.h"
+#include "preprocess/close/losses.h"
 #include "preprocess/close/openness.h"
 #include "preprocess/close/winding.h"
 
@@ -54,15 +55,15 @@ Error refusalOf(std::string found, std::string expected, const CloseReport& repo
           .hint = otherWays(report) + "; --accept-doubtful takes the solid as it is"};
 }
 
-// What a solid's volume is to be compared with, mm3; 0: nothing.
+// What a solid's volume is to be compared with, mm3.
 struct Expectation {
   double volume = 0;
-  const char* of = "";
+  const char* of = nullptr;  // null: nothing
 };
 
-Expectation expectationOf(const Mesh& imported_mm, bool is_hardly_open, const CloseReport& report) {
+Expectation expectationOf(const Mesh& mesh, bool is_hardly_open, const CloseReport& report) {
   if (!report.exact && report.volume_closed_mm3 > 0) return {report.volume_closed_mm3, "the closed mesh encloses"};
-  if (is_hardly_open) return {std::abs(signedVolume(imported_mm)), "the mesh encloses"};
+  if (is_hardly_open) return {std::abs(signedVolume(mesh)), "the mesh encloses"};
   return {};
 }
 
@@ -139,20 +140,22 @@ void judgePieces(const Mesh& solid, const CloseReport& report, const Chain& clos
                            ". A wrap bridges what lies close together; try " + otherWays(report));
 }
 
-void judgeVolume(const Mesh& imported_mm, const Mesh& solid, const Expectation& expected, bool is_hardly_open,
+void judgeVolume(const Mesh& mesh, const Mesh& solid, const Expectation& expected, bool is_hardly_open,
                  const CloseReport& report, Judgement& out) {
-  if (!(expected.volume > 0)) return;
-  const double after = std::abs(signedVolume(solid)), ratio = after / expected.volume;
-  if (ratio <= kMostGrowth && ratio >= kLeastShrink) return;
+  if (!expected.of) return;
+  const double after = std::abs(signedVolume(solid));
+  if (after <= kMostGrowth * expected.volume && after >= kLeastShrink * expected.volume) return;
   // Shells that lie in each other or face different ways count wrong in a sum over triangles.
-  const double wound = is_hardly_open && report.exact ? windingVolume(imported_mm) : expected.volume;
+  const double wound = is_hardly_open && report.exact ? windingVolume(mesh) : expected.volume;
   if (after <= kMostGrowth * wound && after * kMostGrowth >= wound) return;
 
+  const double least = std::min(wound, expected.volume), most = std::max(wound, expected.volume);
+  const double before = wound > 0 ? wound : expected.volume;
+  if (!(before > 0)) return;
   const std::string found =
-      fmt::format("{:.4g} mm3, {:.3g} times the {:.4g} mm3 that {}", after, ratio, expected.volume, expected.of);
+      fmt::format("{:.4g} mm3, {:.3g} times the {:.4g} mm3 that {}", after, after / before, before, expected.of);
   out.warnings.push_back("THE SOLID IS NOT WHAT WAS SCANNED: it has " + found +
                          ". Look at it before anything is cut; try " + otherWays(report));
-  const double least = std::min(wound, expected.volume), most = std::max(wound, expected.volume);
   if (after > kRefusedGrowth * most || after < kRefusedShrink * least)
     out.refusal = refusalOf(
         "a solid of " + found,
@@ -160,15 +163,28 @@ void judgeVolume(const Mesh& imported_mm, const Mesh& solid, const Expectation& 
         report);
 }
 
-void judgeLoss(std::size_t vertices, bool is_volume_right, const CloseReport& report, Judgement& out) {
-  const double lost = vertices > 0 ? static_cast<double>(report.vertices_lost) / static_cast<double>(vertices) : 0;
-  if (!report.exact || !(lost > kMostLost)) return;
+/// How many of the lost vertices lie inside the solid: a union swallows them, which is no loss.
+std::size_t swallowedBy(const Mesh& solid, const Mesh& imported_mm) {
+  const RayWinding rays(solid);
+  const std::vector<Vec3d> lost = lostPlaces(imported_mm, solid);
+  return static_cast<std::size_t>(std::count_if(lost.begin(), lost.end(), [&](const Vec3d& p) {
+    return rays.at(p, [](std::uint32_t) { return false; }).value_or(0) > 0;
+  }));
+}
+
+void judgeLoss(const Mesh& imported_mm, const Mesh& solid, std::size_t vertices, bool is_volume_right,
+               const CloseReport& report, Judgement& out) {
+  const auto share = [&](std::size_t n) { return static_cast<double>(n) / static_cast<double>(vertices); };
+  std::size_t count = report.vertices_lost;
+  if (!report.exact || vertices == 0 || !(share(count) > kMostLost)) return;
+  if (report.rims_extruded == 0) count -= std::min(count, swallowedBy(solid, imported_mm));  // a base buries
+  if (!(share(count) > kMostLost)) return;
 
   const std::string found =
-      fmt::format("{} of its {} vertices ({:.0f} %) are not in the solid", report.vertices_lost, vertices, 100 * lost);
+      fmt::format("{} of its {} vertices ({:.0f} %) are not in the solid", count, vertices, 100 * share(count));
   out.warnings.push_back("MUCH OF THE SCAN IS LOST: " + found + ". Look at it before anything is cut; try " +
                          otherWays(report));
-  if (lost > kRefusedLost && !is_volume_right && !out.refusal)
+  if (share(count) > kRefusedLost && !is_volume_right && !out.refusal)
     out.refusal = refusalOf("a closing that ruins the scan: " + found,
                             "three fifths at most: a layer that is there twice loses half", report);
 }
@@ -204,13 +220,15 @@ Judgement judgeSolid(const Mesh& imported_mm, const Mesh& solid, const CloseRepo
   const bool is_hardly_open =
       !triangles.empty() && openLength(imported_mm, triangles) <= kHardlyOpen * box.size().norm();
 
-  const Expectation expected = expectationOf(imported_mm, is_hardly_open, report);
+  // Triangles of a mesh that face different ways enclose no volume that means anything: only the turned ones do.
+  const Mesh& compared = closed && report.exact && report.triangles_flipped > 0 ? closed->mesh : imported_mm;
+  const Expectation expected = expectationOf(compared, is_hardly_open, report);
   judgeSkin(solid, report, out);
-  if (!out.refusal) judgeVolume(imported_mm, solid, expected, is_hardly_open, report, out);
+  if (!out.refusal) judgeVolume(compared, solid, expected, is_hardly_open, report, out);
   const bool is_volume_right = is_hardly_open && expected.volume > 0 && out.warnings.empty();
   if (closed) judgeExtent(solid, report, *closed, out);
   if (closed) judgePieces(solid, report, *closed, out);
-  judgeLoss(used, is_volume_right, report, out);
+  judgeLoss(imported_mm, solid, used, is_volume_right, report, out);
 
   if (report.handles_added > kMostHandles)
     out.warnings.push_back(fmt::format(

@@ -17,8 +17,8 @@ inline constexpr double kMostGrowth = 1.1, kLeastShrink = 0.5;
 /// Beyond these it is refused. Then the volume of the mesh is counted by winding numbers as well, so that shells which
 /// lie in each other count once, and both have to be exceeded.
 inline constexpr double kRefusedGrowth = 2, kRefusedShrink = 0.25;
-/// An exact solid may lack this part of the scan's vertices; beyond the second limit it is refused, unless the mesh
-/// encloses what the solid does: then its inner shells are lost, as in every union.
+/// An exact solid may lack this part of the scan's vertices; those inside a solid without base do not count, a union
+/// swallows them. Beyond the second limit it is refused, unless the mesh encloses what the solid does.
 inline constexpr double kMostLost = 0.1, kRefusedLost = 0.6;  // a layer that is there twice loses half
 /// It may reach this part of the scan's diagonal beyond the scan, or end as short of it, but 0.5 mm in any case (less
 /// on objects smaller than dental ones): on real scans walls reach 0.2 mm out, and 0.5 mm are lost. On the side of the
@@ -43,8 +43,8 @@ struct Judgement {
 };
 
 /// @param report  of the same closing: its vertices_lost are counted.
-/// @param closed  the chain that the solid was made of, or that was wrapped: without crumbs, and what was trimmed.
-/// Null: extent and pieces are not compared.
+/// @param closed  the chain that the solid was made of, turned outwards, or that was wrapped: without crumbs, and what
+/// was trimmed. Null: extent and pieces are not compared.
 /// @cost  that of sorting the edges; where the volume is doubtful up to a second more; for a scan in several pieces
 /// that of crossingPairs().
 Judgement judgeSolid(const Mesh& imported_mm, const Mesh& solid, const CloseReport& report,

@@ -56,49 +56,153 @@ void spread(std::uint32_t seed, const Neighbours& neighbours, std::vector<signed
     }
 }
 
-// Signed volume, box and largest triangle of every piece.
+// @param join_edge  called with the uses of each edge and with join(triangle, triangle).
+template <class F>
+Pieces joinedPieces(std::size_t triangles, const std::vector<EdgeUse>& uses, const F& join_edge) {
+  std::vector<std::uint32_t> parent(triangles);
+  std::iota(parent.begin(), parent.end(), 0u);
+  const auto find = [&](std::uint32_t i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+  };
+  const auto join = [&](std::uint32_t s, std::uint32_t t) {
+    const std::uint32_t a = find(s), b = find(t);
+    if (a != b) parent[std::max(a, b)] = std::min(a, b);
+  };
+  forEachEdge(uses, [&](std::span<const EdgeUse> edge) { join_edge(edge, join); });
+  Pieces pieces;
+  pieces.label.resize(triangles);
+  for (std::uint32_t t = 0; t < triangles; ++t) {
+    const std::uint32_t root = find(t);
+    pieces.label[t] = root == t ? pieces.count++ : pieces.label[root];
+  }
+  return pieces;
+}
+
+// Signed volume and box of every piece.
 struct PieceSizes {
   std::vector<double> volume;
-  std::vector<std::uint32_t> biggest;
   std::vector<Box3> box;
 };
 
 PieceSizes sizesOf(const Mesh& mesh, const Pieces& pieces) {
-  PieceSizes out{std::vector<double>(pieces.count, 0), std::vector<std::uint32_t>(pieces.count, kNoTriangle),
-                 std::vector<Box3>(pieces.count)};
-  std::vector<double> biggest_area(pieces.count, -1);
+  PieceSizes out{std::vector<double>(pieces.count, 0), std::vector<Box3>(pieces.count)};
   const Vec3d center = bounds(mesh).center();
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     const std::uint32_t l = pieces.label[t];
     const Vec3d a = mesh.corner(t, 0) - center, b = mesh.corner(t, 1) - center, c = mesh.corner(t, 2) - center;
     out.volume[l] += a.dot(b.cross(c)) / 6;
-    const double area = (b - a).cross(c - a).squaredNorm();
-    if (area > biggest_area[l]) {
-      biggest_area[l] = area;
-      out.biggest[l] = t;
-    }
     for (int k = 0; k < 3; ++k) out.box[l].add(mesh.corner(t, k));
   }
   return out;
 }
 
-// Whether the box of piece `l` lies in that of another.
-bool isHeld(const BoxTree& pieces, std::uint32_t l) {
-  const Box3& inner = pieces.boxes()[l];
-  return !pieces.visit([&](const Box3& node) { return holds(node, inner); },
-                       [&](std::uint32_t o) { return o == l || !holds(pieces.boxes()[o], inner); });
+// Whether the box of some piece lies in that of another.
+bool areNested(const BoxTree& boxes) {
+  for (std::uint32_t l = 0; l < boxes.boxes().size(); ++l) {
+    const Box3& inner = boxes.boxes()[l];
+    if (!boxes.visit([&](const Box3& node) { return holds(node, inner); },
+                     [&](std::uint32_t o) { return o == l || !holds(boxes.boxes()[o], inner); }))
+      return true;
+  }
+  return false;
 }
 
-// Whether the place of piece `l` lies in what the other pieces enclose.
-bool liesInOthers(const Mesh& mesh, const Pieces& pieces, std::uint32_t l, std::uint32_t triangle,
-                  std::optional<RayWinding>& rays) {
-  const Vec3d p = (mesh.corner(triangle, 0) + mesh.corner(triangle, 1) + mesh.corner(triangle, 2)) / 3;
-  if (!rays) rays.emplace(mesh);
-  if (const auto winding = rays->at(p, [&](std::uint32_t t) { return pieces.label[t] == l; })) return *winding != 0;
-  std::vector<char> skip(mesh.triangles.size());
-  for (std::size_t t = 0; t < skip.size(); ++t) skip[t] = pieces.label[t] == l;
-  return std::abs(windingNumber(mesh, p, skip)) > 0.5;
+// Pieces that meet along an edge are told apart by their places in the file, where each of them runs once forth and
+// once back along it; elsewhere what shares an edge is one.
+Pieces bodiesOf(std::size_t triangles, const std::vector<EdgeUse>& uses) {
+  return joinedPieces(triangles, uses, [](std::span<const EdgeUse> edge, const auto& join) {
+    bool are_pairs = edge.size() % 2 == 0;
+    for (std::size_t i = 0; are_pairs && i < edge.size(); i += 2) are_pairs = edge[i].forth != edge[i + 1].forth;
+    for (std::size_t i = 1; i < edge.size(); ++i)
+      if (!are_pairs || i % 2 == 1) join(edge[i - 1].triangle, edge[i].triangle);
+  });
 }
+
+// Which way round each closed piece belongs.
+class Bodies {
+ public:
+  Bodies(const Mesh& mesh, const Pieces& pieces, const PieceSizes& sizes, const BoxTree& boxes)
+      : mesh_(mesh), pieces_(pieces), volume_(sizes.volume), boxes_(boxes), sign_(pieces.count, 1) {}
+
+  // Per piece: whether it must be turned. Outwards, unless it lies inside others without crossing them: then it bounds
+  // a cavity of the nearest one if it faces the other way than that one does in the file.
+  std::vector<char> turns() {
+    std::vector<std::uint32_t> order(pieces_.count);
+    std::iota(order.begin(), order.end(), 0u);
+    std::stable_sort(order.begin(), order.end(),
+                     [this](std::uint32_t a, std::uint32_t b) { return std::abs(volume_[a]) > std::abs(volume_[b]); });
+    std::vector<char> turn(pieces_.count, 0);
+    for (const std::uint32_t l : order) {
+      if (volume_[l] == 0) break;
+      sign_[l] = signOf(l, turn);
+      turn[l] = (volume_[l] < 0) != (sign_[l] < 0);
+    }
+    return turn;
+  }
+
+ private:
+  int signOf(std::uint32_t l, const std::vector<char>& turn) {
+    std::vector<std::uint32_t> around;
+    bool is_asked = volume_[l] < 0;
+    const Box3& inner = boxes_.boxes()[l];
+    boxes_.visit([&](const Box3& node) { return holds(node, inner); },
+                 [&](std::uint32_t o) {
+                   if (o == l || !holds(boxes_.boxes()[o], inner)) return true;
+                   if (!(std::abs(volume_[o]) > std::abs(volume_[l]))) return true;
+                   around.push_back(o);
+                   is_asked = is_asked || turn[o] != 0;
+                   return true;
+                 });
+    if (!is_asked) return 1;
+
+    std::erase_if(around, [&](std::uint32_t o) { return !liesInside(l, o); });
+    int winding = 0;
+    for (const std::uint32_t o : around) winding += sign_[o];
+    if (winding == 0) return 1;
+    const std::uint32_t nearest = *std::min_element(
+        around.begin(), around.end(), [this](auto a, auto b) { return std::abs(volume_[a]) < std::abs(volume_[b]); });
+    return (volume_[l] < 0) == (volume_[nearest] < 0) ? sign_[nearest] : -sign_[nearest];
+  }
+
+  // Whether no part of piece `l` lies outside of piece `o`: asked at corners and middles of its triangles.
+  bool liesInside(std::uint32_t l, std::uint32_t o) {
+    constexpr std::size_t kMostAsked = 500;
+    if (!rays_) sortTriangles();
+    const auto of_piece = std::span(sorted_).subspan(first_[l], first_[l + 1] - first_[l]);
+    const std::size_t stride = (of_piece.size() + kMostAsked - 1) / kMostAsked;
+    bool is_inside = false;
+    for (std::size_t i = 0; i < of_piece.size(); i += stride) {
+      const std::uint32_t t = of_piece[i];
+      const Vec3d middle = (mesh_.corner(t, 0) + mesh_.corner(t, 1) + mesh_.corner(t, 2)) / 3;
+      for (const Vec3d& p : {mesh_.corner(t, 0), middle}) {
+        const auto winding = rays_->at(p, [&](std::uint32_t other) { return pieces_.label[other] != o; });
+        if (winding && *winding == 0) return false;
+        is_inside = is_inside || winding.has_value();
+      }
+    }
+    return is_inside;
+  }
+
+  void sortTriangles() {
+    rays_.emplace(mesh_);
+    first_.assign(pieces_.count + 1, 0);
+    for (const std::uint32_t l : pieces_.label) ++first_[l + 1];
+    std::partial_sum(first_.begin(), first_.end(), first_.begin());
+    std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
+    sorted_.resize(pieces_.label.size());
+    for (std::uint32_t t = 0; t < sorted_.size(); ++t) sorted_[next[pieces_.label[t]]++] = t;
+  }
+
+  const Mesh& mesh_;
+  const Pieces& pieces_;
+  const std::vector<double>& volume_;
+  const BoxTree& boxes_;
+  std::vector<int> sign_;  // as they belong
+  std::optional<RayWinding> rays_;
+  std::vector<std::size_t> first_;
+  std::vector<std::uint32_t> sorted_;  // triangles of piece l: sorted_[first_[l] .. first_[l + 1])
+};
 
 }  // namespace
 
@@ -132,46 +236,26 @@ void orientTriangles(Chain& chain, CloseReport& report) {
 }
 
 Pieces piecesOf(std::size_t triangles, const std::vector<EdgeUse>& uses) {
-  std::vector<std::uint32_t> parent(triangles);
-  std::iota(parent.begin(), parent.end(), 0u);
-  const auto find = [&](std::uint32_t i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
-  forEachEdge(uses, [&](std::span<const EdgeUse> edge) {
-    for (std::size_t i = 1; i < edge.size(); ++i) {
-      const std::uint32_t a = find(edge[0].triangle), b = find(edge[i].triangle);
-      if (a != b) parent[std::max(a, b)] = std::min(a, b);
-    }
+  return joinedPieces(triangles, uses, [](std::span<const EdgeUse> edge, const auto& join) {
+    for (std::size_t i = 1; i < edge.size(); ++i) join(edge[0].triangle, edge[i].triangle);
   });
-  Pieces pieces;
-  pieces.label.resize(triangles);
-  for (std::uint32_t t = 0; t < triangles; ++t) {
-    const std::uint32_t root = find(t);
-    pieces.label[t] = root == t ? pieces.count++ : pieces.label[root];
-  }
-  return pieces;
 }
 
 bool turnPieces(Chain& chain, CloseReport& report) {
   Mesh& mesh = chain.mesh;
-  const Pieces pieces = piecesOf(mesh.triangles.size(), edgeUses(mesh.triangles));
-  const PieceSizes sizes = sizesOf(mesh, pieces);
+  const std::vector<EdgeUse> uses = edgeUses(mesh.triangles);
+  const Pieces pieces = bodiesOf(mesh.triangles.size(), uses);
+  PieceSizes sizes = sizesOf(mesh, pieces);
+  forEachEdge(uses, [&](std::span<const EdgeUse> edge) {  // what is open has no volume
+    const auto forth = std::count_if(edge.begin(), edge.end(), [](const EdgeUse& use) { return use.forth; });
+    if (2 * static_cast<std::size_t>(forth) != edge.size()) sizes.volume[pieces.label[edge[0].triangle]] = 0;
+  });
   const BoxTree boxes(sizes.box);
+  const bool nested = areNested(boxes);
+  if (std::none_of(sizes.volume.begin(), sizes.volume.end(), [](double v) { return v < 0; })) return nested;
 
-  bool nested = false;
-  std::vector<char> turn(pieces.count, 0);
-  std::size_t turned = 0;
-  std::optional<RayWinding> rays;
-  for (std::uint32_t l = 0; l < pieces.count; ++l) {
-    const bool inside_another = isHeld(boxes, l);
-    nested = nested || inside_another;
-    if (!(sizes.volume[l] < 0)) continue;
-    if (inside_another && liesInOthers(mesh, pieces, l, sizes.biggest[l], rays)) continue;  // the wall of a cavity
-    turn[l] = 1;
-    ++turned;
-  }
-
+  const std::vector<char> turn = Bodies(mesh, pieces, sizes, boxes).turns();
+  const auto turned = static_cast<std::size_t>(std::count(turn.begin(), turn.end(), 1));
   for (std::uint32_t t = 0; turned && t < mesh.triangles.size(); ++t)
     if (turn[pieces.label[t]]) {
       flip(mesh.triangles[t]);

@@ -10,7 +10,9 @@ namespace kerf::internal {
 /// report.
 void orientTriangles(Chain& chain, CloseReport& report);
 
-/// Turns pieces that are inside out, unless they are the wall of a cavity in something else. @pre the chain is closed.
+/// Turns pieces that are inside out, each by its own volume, unless they lie inside another without crossing it: then
+/// they bound a cavity. In a piece that is turned, cavities turn with it. What is
+/// open stays. Entered in the report.
 /// @return true if the box of one piece lies in that of another: their winding numbers must be checked.
 bool turnPieces(Chain& chain, CloseReport& report);
 

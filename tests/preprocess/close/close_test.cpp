@@ -140,6 +140,75 @@ TEST(Close, InsideOutPieceOnItsOwnIsTurned) {
   EXPECT_DOUBLE_EQ(signedVolume(s.mesh), 9);
 }
 
+// Quads of `step` mm on a box, so that vertices lie on the lines of a neighbour.
+Mesh gridBox(const Vec3d& lo, const Vec3d& hi, double step) {
+  Mesh m;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const bool is_up : {false, true}) {
+      const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+      for (double a = lo[u]; a < hi[u]; a += step)
+        for (double b = lo[v]; b < hi[v]; b += step) {
+          const auto at = [&](double du, double dv) {
+            Vec3d p;
+            p[axis] = is_up ? hi[axis] : lo[axis];
+            p[u] = a + du;
+            p[v] = b + dv;
+            m.vertices.push_back(p);
+            return static_cast<std::uint32_t>(m.vertices.size() - 1);
+          };
+          const std::array<std::uint32_t, 4> q{at(0, 0), at(step, 0), at(step, step), at(0, step)};
+          if (is_up)
+            m.triangles.insert(m.triangles.end(), {{q[0], q[1], q[2]}, {q[0], q[2], q[3]}});
+          else
+            m.triangles.insert(m.triangles.end(), {{q[0], q[2], q[1]}, {q[0], q[3], q[2]}});
+        }
+    }
+  return m;
+}
+
+// Mirrored objects come inside out: whatever they touch or cross, they are united, not subtracted.
+TEST(Close, APieceInsideOutThatTouchesOrCrossesOthersIsUnited) {
+  const auto side = [](double x) { return box({x, 0, 0}, {x + 10, 10, 10}); };
+  for (std::size_t wrong = 0; wrong < 3; ++wrong) {
+    Mesh wall_to_wall;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Mesh one = side(10.0 * static_cast<double>(k));
+      append(wall_to_wall, k == wrong ? flipped(one) : one);
+    }
+    for (const CloseMode mode : {CloseMode::kAuto, CloseMode::kRepair}) {
+      const Solid s = closed(wall_to_wall, {.mode = mode});
+      EXPECT_DOUBLE_EQ(signedVolume(s.mesh), 3000) << wrong;
+      EXPECT_TRUE(s.report.warnings.empty()) << s.report.warnings.front();
+    }
+  }
+
+  // Crossing, with vertices in, on and beside the lines of the other; sharing faces, an edge of the overlap, a corner.
+  struct Pair {
+    Vec3d lo;
+    double volume;
+  };
+  for (const Pair& pair : {Pair{{4, 4, 4}, 960}, Pair{{4, 0, 0}, 768}, Pair{{4, 4, 0}, 896}, Pair{{0, 4, 2}, 832}})
+    for (const double step : {8.0, 4.0, 2.0})
+      for (const bool is_second : {true, false}) {
+        const Mesh a = gridBox({0, 0, 0}, {8, 8, 8}, step), b = gridBox(pair.lo, pair.lo + Vec3d::Constant(8), step);
+        const Solid s = closed(is_second ? both(a, flipped(b)) : both(flipped(a), b));
+        EXPECT_DOUBLE_EQ(signedVolume(s.mesh), pair.volume) << pair.lo.transpose() << ", " << step;
+        EXPECT_TRUE(s.report.warnings.empty()) << s.report.warnings.front();
+      }
+}
+
+TEST(Close, OfAHollowSolidThatIsInsideOutTheCavityStays) {
+  const Mesh hollow = both(box(0, 10), flipped(box(3, 6)));
+  EXPECT_DOUBLE_EQ(signedVolume(closed(flipped(hollow)).mesh), 973);
+  // Beside one that is right, with a solid in the cavity.
+  const Mesh three = both(hollow, box(4, 5));
+  EXPECT_DOUBLE_EQ(signedVolume(closed(three).mesh), 974);
+  EXPECT_DOUBLE_EQ(signedVolume(closed(flipped(three)).mesh), 974);
+  Mesh beside = flipped(three);
+  for (Vec3d& p : beside.vertices) p.x() += 20;
+  EXPECT_DOUBLE_EQ(signedVolume(closed(both(three, beside)).mesh), 2 * 974);
+}
+
 TEST(Close, FlippedPatchIsTurned) {
   Mesh m = ball(12, 24, 5);
   const double volume = signedVolume(m);

@@ -21,6 +21,13 @@ std::vector<std::string> guardWarnings(const Mesh& imported, const Mesh& solid, 
   return judgeSolid(imported, solid, report).warnings;
 }
 
+Chain chainOf(const Mesh& mesh) {
+  Chain out{.mesh = mesh, .source = {}, .source_vertices = static_cast<std::uint32_t>(mesh.vertices.size())};
+  out.source.resize(mesh.triangles.size());
+  std::iota(out.source.begin(), out.source.end(), 0u);
+  return out;
+}
+
 // A box with a hollow of 3 x 3 x 4.5 mm inside.
 Mesh hollowBox() {
   Mesh out = box({0, 0, 0}, {4, 4, 5.5});
@@ -116,6 +123,48 @@ TEST(Guard, ShellsInEachOtherAndPiecesInsideOutAreCountedByWinding) {
   append(mixed, box({-3, 0, 0}, {-2, 2, 2}));
   ASSERT_LT(std::abs(signedVolume(mixed)), 10);
   EXPECT_TRUE(judgeSolid(mixed, both(rowOfBoxes(6), box({-3, 0, 0}, {-2, 2, 2})), exactReport()).warnings.empty());
+}
+
+bool saysLoudly(const std::vector<std::string>& warnings, const char* what) {
+  return std::any_of(warnings.begin(), warnings.end(),
+                     [what](const std::string& warning) { return warning.find(what) != std::string::npos; });
+}
+
+// Volumes of triangles that face different ways mean nothing; vertices that a union swallows are no loss.
+TEST(Guard, NothingIsSaidOfRightSolidsWhoseFilesFacedWrongOrCrossed) {
+  Mesh every_second = ball(20, 40, 6);
+  for (std::size_t t = 0; t < every_second.triangles.size(); t += 2)
+    std::swap(every_second.triangles[t][1], every_second.triangles[t][2]);
+  const Solid turned = closed(every_second);
+  EXPECT_DOUBLE_EQ(signedVolume(turned.mesh), signedVolume(ball(20, 40, 6)));
+  EXPECT_TRUE(turned.report.warnings.empty()) << turned.report.warnings.front();
+
+  Mesh other = ball(20, 40, 6);
+  for (Vec3d& p : other.vertices) p = roundedToFloat(p + Vec3d(4, 1, 0.5));
+  for (const Mesh& second : {other, flipped(other)}) {
+    const Solid united = closed(both(ball(20, 40, 6), second));
+    EXPECT_GT(10 * united.report.vertices_lost, 2 * ball(20, 40, 6).vertices.size());
+    EXPECT_TRUE(united.report.warnings.empty()) << united.report.warnings.front();
+  }
+}
+
+// The faults that it is there for, made up: a piece was subtracted, or lost, where all were to be united.
+TEST(Guard, APieceThatWasSubtractedIsSaidAloud) {
+  const Mesh row =
+      both(both(box({0, 0, 0}, {10, 10, 10}), box({10, 0, 0}, {20, 10, 10})), flipped(box({20, 0, 0}, {30, 10, 10})));
+  CloseReport report = exactReport();
+  EXPECT_TRUE(guardWarnings(row, box({0, 0, 0}, {30, 10, 10}), report).empty());
+  EXPECT_TRUE(saysLoudly(guardWarnings(row, box({0, 0, 0}, {20, 10, 10}), report), "NOT WHAT WAS SCANNED"));
+
+  // As much outwards as inwards: the sum over the triangles is nothing.
+  const Mesh two = both(box(0, 8), flipped(box({4, 0, 0}, {12, 8, 8})));
+  const Chain chain = chainOf(both(box(0, 8), box({4, 0, 0}, {12, 8, 8})));
+  report.triangles_flipped = 12;
+  EXPECT_TRUE(judgeSolid(two, box({0, 0, 0}, {12, 8, 8}), report, &chain).warnings.empty());
+  const Mesh halves = both(box({0, 0, 0}, {4, 8, 8}), box({8, 0, 0}, {12, 8, 4}));
+  EXPECT_TRUE(saysLoudly(judgeSolid(two, halves, report, &chain).warnings, "NOT WHAT WAS SCANNED"));
+  report.triangles_flipped = 0;
+  EXPECT_TRUE(saysLoudly(guardWarnings(two, box({0, 0, 0}, {1, 8, 8}), report), "NOT WHAT WAS SCANNED"));
 }
 
 TEST(Guard, MoreThanTwoLayersOfAScanLostIsRefusedUnlessInnerShellsAre) {
@@ -226,13 +275,6 @@ TEST(Guard, AWrapOfWhatEnclosesNothingIsRefused) {
   }
   // Thin, but with an inside.
   EXPECT_TRUE(closeMesh(box({0, 0, 0}, {10, 10, 0.4}), {.mode = CloseMode::kWrap}));
-}
-
-Chain chainOf(const Mesh& mesh) {
-  Chain out{.mesh = mesh, .source = {}, .source_vertices = static_cast<std::uint32_t>(mesh.vertices.size())};
-  out.source.resize(mesh.triangles.size());
-  std::iota(out.source.begin(), out.source.end(), 0u);
-  return out;
 }
 
 TEST(Guard, ASideThatGrewOrShrankIsNamedWithItsMillimetres) {
