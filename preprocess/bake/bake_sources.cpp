@@ -146,6 +146,7 @@ Expected<std::vector<Mesh>> readMeshSources(const std::vector<fs::path>& paths, 
                                             BakeReport& out, const Progress& progress) {
   std::vector<MeshFile> files;
   Box3 common;  // of the meshes that declare no unit
+  std::size_t largest = 0;
   for (std::size_t n = 0; n < paths.size(); ++n) {
     if (!report(progress, static_cast<double>(n) / static_cast<double>(paths.size()),
                 "reading " + paths[n].filename().string()))
@@ -153,6 +154,8 @@ Expected<std::vector<Mesh>> readMeshSources(const std::vector<fs::path>& paths, 
     KERF_TRY(file, readMesh(paths[n]));
     if (file.declared_unit.empty()) common.add(bounds(file.mesh));
     files.push_back(std::move(file));
+    const auto size = [&](std::size_t k) { return bounds(files[k].mesh).size().norm(); };
+    if (size(n) > size(largest)) largest = n;
   }
 
   std::vector<Mesh> meshes;
@@ -164,6 +167,8 @@ Expected<std::vector<Mesh>> readMeshSources(const std::vector<fs::path>& paths, 
       choice.error().file = paths[n].string();
       return fail(choice.error());
     }
+    if (as_one && unit.empty() && file.declared_unit.empty())
+      KERF_CHECK(requireOneUnit(paths[n], bounds(file.mesh), "", *choice, paths[n == largest ? 0 : largest]));
 
     KERF_TRY(source, storeSource(paths[n], std::string(file.format), hashes[n], case_folder, out.manifest));
     describeSource(file, *choice, *source);

@@ -8,12 +8,16 @@
 namespace kerf {
 namespace {
 
+constexpr double kSmallest = 3, kLargest = 300;  // mm across, a crown to a skull
+
 struct Unit {
   std::string_view name;
   double mm;
+  double smallest = kSmallest;  // mm across, where nobody says the unit
+  bool fits(double across) const { return across * mm >= smallest && across * mm <= kLargest; }
 };
-constexpr std::array<Unit, 5> kUnits{{{"mm", 1}, {"cm", 10}, {"m", 1000}, {"um", 0.001}, {"inch", 25.4}}};
-constexpr double kSmallest = 3, kLargest = 300;  // mm across, a crown to a skull
+// In inches come blocks and skulls, no object below 6 mm: 0.12 to 0.236 across is a jaw in metres.
+constexpr std::array<Unit, 5> kUnits{{{"mm", 1}, {"cm", 10}, {"m", 1000}, {"um", 0.001}, {"inch", 25.4, 6}}};
 
 /// Units in which a size would be dental, with the size: "0.1047 mm across is no dental object; in m it would be
 /// 104.7".
@@ -21,7 +25,7 @@ std::string elsewhere(double across, double mm) {
   std::string text = fmt::format("{:.4g} mm across is no dental object", across * mm);
   std::string_view separator = "; it would be ";
   for (const Unit& u : kUnits)
-    if (across * u.mm >= kSmallest && across * u.mm <= kLargest) {
+    if (u.fits(across)) {
       text += fmt::format("{}{:.4g} mm in {}", separator, across * u.mm, u.name);
       separator = ", ";
     }
@@ -71,22 +75,22 @@ Expected<UnitChoice> chooseUnit(const Box3& box, std::string_view asked, std::st
   }
 
   // By the size.
-  const auto fits = [across](double mm) { return across * mm >= kSmallest && across * mm <= kLargest; };
+  const bool fits_mm = kUnits[0].fits(across);
   constexpr double kSmallObject = 15;  // a crown; or a jaw in cm, a block in inches
-  if (fits(1) && across < kSmallObject)
+  if (fits_mm && across < kSmallObject)
     return UnitChoice{
         "mm", 1,
         fmt::format(
             "{:.4g} across fits a crown in mm; in cm it would be {:.4g} mm, in inches {:.4g} mm: say --unit if so",
             across, 10 * across, 25.4 * across),
         true};
-  if (fits(1))
+  if (fits_mm)
     return UnitChoice{"mm", 1, fmt::format("{:.4g} across fits a dental object in mm; the file names no unit", across),
                       false};
 
   std::vector<Unit> others;
   for (const Unit& u : kUnits)
-    if (fits(u.mm)) others.push_back(u);
+    if (u.fits(across)) others.push_back(u);
   if (others.size() == 1)
     return UnitChoice{
         std::string(others[0].name), others[0].mm,
@@ -97,6 +101,20 @@ Expected<UnitChoice> chooseUnit(const Box3& box, std::string_view asked, std::st
                     fmt::format("{:.4g} across fits {}: taken as mm, unscaled; say --unit if that is wrong", across,
                                 others.empty() ? "no unit" : "several units but not mm"),
                     true};
+}
+
+Expected<void> requireOneUnit(const std::filesystem::path& file, const Box3& box, std::string_view declared,
+                              const UnitChoice& shared, const std::filesystem::path& other) {
+  KERF_TRY(alone, chooseUnit(box, "", declared));
+  const bool is_known = !declared.empty() || alone.unit != "mm" || kUnits[0].fits(box.size().norm());
+  if (!is_known || alone.scale_to_mm == shared.scale_to_mm) return {};
+  return fail({.code = Error::Code::kBadValue,
+               .file = file.string(),
+               .place = "unit",
+               .found = fmt::format("{} ({}), but {} for {} ({})", alone.unit, alone.reason, shared.unit,
+                                    other.string(), shared.reason),
+               .expected = "one unit for all files of an object",
+               .hint = "--unit mm, or whichever it is"});
 }
 
 }  // namespace kerf

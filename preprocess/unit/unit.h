@@ -1,6 +1,7 @@
 // The unit of a mesh file: said by the user, by the file, or taken from the size, and always with a reason.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -24,10 +25,15 @@ std::vector<std::string> unitNames();
 Expected<double> millimetresPer(std::string_view unit);
 
 /// Order: `asked` by the user, `declared` in the file, then the size. A dental object, from a crown to a skull, is 3 to
-/// 300 mm across; coordinates that are not, but would be in exactly one other unit, are taken for that. In doubt it is
-/// mm: nothing is scaled on a guess that could be two things. A named unit is always taken; if it makes no dental size
-/// the choice is doubtful, and the reason says in which units it would be one.
+/// 300 mm across, in inches 6 to 300; coordinates that are not, but would be in exactly one other unit, are taken for
+/// that. In doubt it is mm: nothing is scaled on a guess that could be two things. A named unit is always taken; if it
+/// makes no dental size the choice is doubtful, and the reason says in which units it would be one.
 /// @param box  of the mesh, in the file's unit.
 Expected<UnitChoice> chooseUnit(const Box3& box, std::string_view asked, std::string_view declared);
+
+/// For files of one object. Error kBadValue: by itself `file` is in another unit than the one it is to share with
+/// `other`. A size that fits no unit contradicts none.   @param declared  in `file`.
+Expected<void> requireOneUnit(const std::filesystem::path& file, const Box3& box, std::string_view declared,
+                              const UnitChoice& shared, const std::filesystem::path& other);
 
 }  // namespace kerf

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -99,6 +100,24 @@ TEST_F(ImportSetTest, OfSeveralScansOneIsCutAndTheOthersStandBesideAsChosen) {
   EXPECT_NEAR(beside.box.size()[2], 3 + 5, 1e-3) << "the base that was chosen for it";
   EXPECT_EQ(beside.voxel_mm, 0.2);
   EXPECT_EQ(bench.run()->caseManifest().voxel_mm, 0.1);
+}
+
+TEST_F(ImportSetTest, FilesInDifferentUnitsAreNotPreparedUntilAUnitIsChosen) {
+  Mesh metres = test::blockMesh(false);
+  for (Vec3d& p : metres.vertices) p *= 1e-3;
+  const fs::path small = folder_.path() / "metres.ply";
+  ASSERT_TRUE(writeMesh(small, metres));
+  Workbench bench(options());
+  mustPlay(bench, "import.read" + quoted(block("36", 0)) + quoted(small) + "\nwait\n");
+  ASSERT_TRUE(bench.importSet());
+  const auto& findings = bench.importSet()->findings();
+  EXPECT_TRUE(std::any_of(findings.begin(), findings.end(), [](const Finding& f) { return f.about == "Unit"; }));
+  const auto ready = bench.importSet()->requireReady();
+  ASSERT_FALSE(ready);
+  EXPECT_EQ(ready.error().place, "unit") << ready.error().message();
+
+  mustPlay(bench, "import.choose 2\nimport.unit m\n");
+  EXPECT_TRUE(bench.importSet()->requireReady());
 }
 
 TEST_F(ImportSetTest, OneMoreIsAddedToWhatIsLookedAt) {

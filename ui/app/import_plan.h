@@ -76,6 +76,8 @@ class ImportPlan final : public PreviewedPlan {
   /// All that a file may be in, with the size each makes.
   std::span<const UnitOption> units() const { return units_; }
   const UnitOption& unit() const { return units_[unit_]; }
+  /// Neither the file nor the user says it: it is taken from the size.
+  bool isUnitGuessed() const { return choice_.unit.empty() && found_.declared_unit.empty(); }
   Expected<void> setUnit(const std::string& name);
   Expected<void> setClosing(const ClosingChoice& choice);
   /// mm; 0: as suggestedVoxel().

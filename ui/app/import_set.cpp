@@ -22,6 +22,13 @@ double gapBetween(const Box3& a, const Box3& b) {
   return apart.norm();
 }
 
+// Both units are guesses, and they differ: files of one frame share one.
+bool doUnitsDiffer(const ImportEntry* cut, const ImportEntry& beside) {
+  if (!cut || !cut->scan || !beside.scan || beside.role != ImportRole::kBeside) return false;
+  const bool are_guessed = cut->scan->isUnitGuessed() && beside.scan->isUnitGuessed();
+  return are_guessed && cut->scan->unit().scale_to_mm != beside.scan->unit().scale_to_mm;
+}
+
 Expected<void> requireFile(const fs::path& file) {
   std::error_code ignored;
   if (!fs::is_directory(file, ignored)) return {};
@@ -202,6 +209,10 @@ std::vector<Finding> ImportSet::findings() const {
   for (const ImportEntry& entry : entries_) {
     if (entry.role != ImportRole::kBeside) continue;
     const std::string name = entry.file.filename().string();
+    if (doUnitsDiffer(cut(), entry))
+      out.push_back({Finding::Weight::kDoubtful, "Unit",
+                     fmt::format("{} is read as {}, {} as {}: choose the unit of one of them", name,
+                                 entry.scan->unit().unit, cut()->file.filename().string(), cut()->scan->unit().unit)});
     const Box3 box = boxOf(entry);
     if (box.isEmpty() || first.isEmpty()) continue;
     if (const double gap = gapBetween(first, box); gap > kFar)
@@ -219,6 +230,15 @@ Expected<void> ImportSet::requireReady() const {
                    .found = "no tissue: all labels are left out",
                    .expected = "a tissue for one label at least",
                    .hint = "import.tissue LABEL TISSUE"});
+  for (const ImportEntry& entry : entries_)
+    if (doUnitsDiffer(cut(), entry))
+      return fail({.code = Error::Code::kBadValue,
+                   .file = entry.file.string(),
+                   .place = "unit",
+                   .found = fmt::format("{} by its size, but {} for {}", entry.scan->unit().unit,
+                                        cut()->scan->unit().unit, cut()->file.string()),
+                   .expected = "one unit for all files of a frame",
+                   .hint = "choose the unit of one of them: import.unit mm, or whichever it is"});
   return {};
 }
 

@@ -101,7 +101,7 @@ class ImportSet {
 
   /// What stands in the way of preparing it: a label volume of which nothing is left, or frames that can not be one.
   std::vector<Finding> findings() const;
-  /// Error kEmpty: of a label volume that is not left out all labels are.
+  /// Errors: kEmpty: of a label volume that is not left out all labels are; kBadValue: units that are guessed differ.
   Expected<void> requireReady() const;
   /// Of all that is not left out, together.
   Prediction prediction() const;

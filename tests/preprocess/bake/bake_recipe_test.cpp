@@ -277,6 +277,19 @@ TEST(BakeRecipe, PartsShareOneUnit) {
   EXPECT_EQ(report->manifest.sources[0].scale_to_mm, report->manifest.sources[1].scale_to_mm);
 }
 
+TEST(BakeRecipe, PartsInDifferentUnitsAreRefused) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(writeMesh(folder.path() / "tooth.stl", ballMesh({0, 0, 0}, 8, 40)));
+  ASSERT_TRUE(writeMesh(folder.path() / "pulp.stl", ballMesh({0, 0, 0}, 0.004, 40)));  // metres
+  write(folder.path() / "a.toml", kHead +
+                                      "voxel = 0.4\n[[part]]\nmaterial = \"pulp\"\nmesh = \"pulp.stl\"\n"
+                                      "[[part]]\nmaterial = \"dentin\"\nmesh = \"tooth.stl\"\n");
+  const auto report = bakeRecipe(folder.path() / "a.toml", folder.path() / "a.case", {});
+  ASSERT_FALSE(report);
+  EXPECT_EQ(report.error().place, "unit") << report.error().message();
+  EXPECT_FALSE(fs::exists(folder.path() / "a.case"));
+}
+
 TEST(VoxelUnion, ASheetOfAirBetweenPartsVanishesAndTheSurfaceStays) {
   // Two halves of a ball of 3 mm with 0.05 mm of air between them.
   Mesh ball = ballMesh({0, 0, 0}, 3, 80), core = ballMesh({0, 0, 0}, 2, 80);

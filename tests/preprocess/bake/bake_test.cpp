@@ -123,6 +123,27 @@ TEST(Bake, TwoMeshesBecomeOneObject) {
   EXPECT_EQ(report->manifest.sources.size(), 2u);
 }
 
+TEST(Bake, FilesOfOneObjectInDifferentUnitsAreRefused) {
+  const TemporaryFolder folder;
+  const fs::path arch = folder.path() / "arch.stl", ball = folder.path() / "ball-m.stl", out = folder.path() / "x.case";
+  ASSERT_TRUE(writeMesh(arch, box({0, 0, 0}, {60, 50, 20})));
+  ASSERT_TRUE(writeMesh(ball, ballMesh({0, 0, 0}, 0.004, 20)));
+  for (const auto& order : {std::vector{arch, ball}, std::vector{ball, arch}}) {
+    const auto refused = bake(order, out, coarse());
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().place, "unit");
+    EXPECT_EQ(refused.error().file, ball.string());
+    EXPECT_NE(refused.error().found.find("but mm for " + arch.string()), std::string::npos)
+        << refused.error().message();
+    EXPECT_NE(refused.error().hint.find("--unit"), std::string::npos);
+    EXPECT_FALSE(fs::exists(out));
+  }
+  BakeOptions options = coarse();
+  options.voxelize.voxel_mm = 1;
+  options.unit = "mm";
+  EXPECT_TRUE(bake({arch, ball}, out, options)) << "as asked";
+}
+
 TEST(Bake, AFailedOrCancelledBakeLeavesNothingBehind) {
   const TemporaryFolder folder;
   const fs::path mesh = folder.path() / "ball.stl", bad = folder.path() / "bad.stl", out = folder.path() / "x.case";

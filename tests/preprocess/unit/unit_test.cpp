@@ -40,6 +40,25 @@ TEST(Unit, ASizeThatFitsOneOtherUnitIsTakenForThatAloud) {
   EXPECT_EQ(chooseUnit(across(60000), "", "")->unit, "um");
 }
 
+TEST(Unit, AWholeJawInMetresIsNoSpeckInInches) {
+  for (const double size : {0.12, 0.15, 0.18, 0.23}) {
+    const auto unit = chooseUnit(across(size), "", "");
+    ASSERT_TRUE(unit);
+    EXPECT_EQ(unit->unit, "m") << size;
+  }
+  EXPECT_EQ(chooseUnit(across(0.25), "", "")->unit, "mm") << "6.35 mm in inches, or 250 mm";
+  EXPECT_FALSE(chooseUnit(across(0.15), "inch", "")->is_doubtful) << "as asked";
+}
+
+TEST(Unit, AFileThatIsClearlyInAnotherUnitContradictsTheSharedOne) {
+  const UnitChoice mm{"mm", 1, "90 across", false}, m{"m", 1000, "0.09 across", true};
+  EXPECT_FALSE(requireOneUnit("ball.stl", across(0.015), "", mm, "arch.stl"));
+  EXPECT_FALSE(requireOneUnit("ball.stl", across(15), "", m, "arch.stl"));
+  for (const double size : {80.0, 15.0, 2.5, 1e-5})  // what fits no unit is small, and no more
+    EXPECT_TRUE(requireOneUnit("ball.stl", across(size), "", mm, "arch.stl")) << size;
+  EXPECT_TRUE(requireOneUnit("ball.stl", across(0.0029), "", m, "arch.stl"));
+}
+
 TEST(Unit, ASizeThatFitsSeveralUnitsOrNoneStaysMillimetres) {
   for (const double size : {2.7, 1e-6, 800.0}) {
     const auto unit = chooseUnit(across(size), "", "");
