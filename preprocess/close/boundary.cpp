@@ -199,10 +199,84 @@ std::string describePlace(const BaseFrame& frame) {
 struct Boundary {
   std::vector<Loop> loops;
   std::vector<double> lengths;  ///< mm
-  std::size_t longest = 0;
-  std::vector<char> is_rim;    ///< of a missing underside; the others are holes
-  std::vector<char> is_inner;  ///< of a loose piece that runs through the arch: a hole, closed by a fan
+  std::size_t longest = 0;      ///< of those that may be rims, if there are any
+  std::vector<char> is_hole;    ///< by its shape, however long it is
+  std::vector<char> is_rim;     ///< of a missing underside; the others are holes
+  std::vector<char> is_inner;   ///< of a loose piece that runs through the arch: a hole, closed by a fan
   double longestLength() const { return lengths[longest]; }
+};
+
+std::vector<std::uint32_t> pieceOfVertices(const Mesh& mesh, const Pieces& pieces) {
+  std::vector<std::uint32_t> out(mesh.vertices.size(), 0);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    for (const std::uint32_t v : mesh.triangles[t]) out[v] = pieces.label[t];
+  return out;
+}
+
+/// Finds loops where a part of a coarse solid is missing. Blocks and trays have few edges around, rims of scans 150 and
+/// more.
+class MissingFaces {
+ public:
+  explicit MissingFaces(const Mesh& mesh) : mesh_(mesh) {}
+
+  /// A triangle, or a corner of four edges: no underside has so few edges.
+  bool isCorner(const Loop& loop) { return loop.size() <= 4 && (loop.size() == 3 || !isFlat(loop)) && encloses(loop); }
+  /// All of a flat face: an underside as well, if nobody says which.
+  bool isFace(const Loop& loop) {
+    constexpr std::size_t kMostEdges = 32;
+    return loop.size() <= kMostEdges && isFlat(loop) && encloses(loop);
+  }
+
+ private:
+  // The volume between a piece and a point p is volume - (p - origin) . area: that of the piece, closed by a fan.
+  struct Piece {
+    double volume = 0;
+    Vec3d area = Vec3d::Zero();
+    Box3 box;
+    double across() const { return box.size().norm(); }
+  };
+
+  Vec3d middleOf(const Loop& loop) const {
+    Vec3d middle = Vec3d::Zero();
+    for (const std::uint32_t v : loop) middle += mesh_.vertices[v] / static_cast<double>(loop.size());
+    return middle;
+  }
+  const Piece& pieceOf(const Loop& loop) {
+    if (pieces_.empty()) measure();
+    return pieces_[piece_of_[loop[0]]];
+  }
+  bool isFlat(const Loop& loop) {
+    constexpr double kFlat = 1e-4;  // of the diagonal
+    const double most = kFlat * pieceOf(loop).across();
+    const Vec3d middle = middleOf(loop), normal = areaVector(mesh_, loop).normalized();
+    return std::all_of(loop.begin(), loop.end(),
+                       [&](std::uint32_t v) { return std::abs((mesh_.vertices[v] - middle).dot(normal)) <= most; });
+  }
+  bool encloses(const Loop& loop) {
+    constexpr double kThinnest = 1e-3;  // of the cube of the diagonal: what is thinner is a sheet
+    const Piece& piece = pieceOf(loop);
+    const double volume = piece.volume - (middleOf(loop) - origin_).dot(piece.area);
+    return std::abs(volume) > kThinnest * std::pow(piece.across(), 3);
+  }
+
+  void measure() {
+    const Pieces pieces = edgeConnectedPieces(mesh_);
+    piece_of_ = pieceOfVertices(mesh_, pieces);
+    origin_ = bounds(mesh_).center();
+    pieces_.resize(pieces.count);
+    for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
+      Piece& piece = pieces_[pieces.label[t]];
+      const Vec3d a = mesh_.corner(t, 0) - origin_, b = mesh_.corner(t, 1) - origin_, c = mesh_.corner(t, 2) - origin_;
+      piece.volume += a.dot(b.cross(c)) / 6;
+      piece.area += doubleAreaVector(mesh_, t) / 6;
+      for (int k = 0; k < 3; ++k) piece.box.add(mesh_.corner(t, k));
+    }
+  }
+
+  const Mesh& mesh_;
+  Vec3d origin_ = Vec3d::Zero();
+  std::vector<Piece> pieces_;
+  std::vector<std::uint32_t> piece_of_;
 };
 
 /// Whether the longest loop is the rim of a missing underside. Errors: kGeometry if it is, and no base may be made.
@@ -210,7 +284,8 @@ Expected<bool> needsBase(const Mesh& mesh, const Boundary& boundary, const Close
   const double diagonal = bounds(mesh).size().norm();
   const bool steps = !options.only.empty();
   const bool long_one = options.fill_up_to_mm ? boundary.longestLength() > *options.fill_up_to_mm
-                                              : boundary.longestLength() > options.rim_to_diagonal * diagonal;
+                                              : !boundary.is_hole[boundary.longest] &&
+                                                    boundary.longestLength() > options.rim_to_diagonal * diagonal;
   const bool may_base = steps ? options.only.count(CloseStep::kBase) > 0 : options.mode != CloseMode::kRepair;
   const bool has_rim = long_one || (!steps && options.mode == CloseMode::kBase);
   if (!has_rim || may_base) return has_rim;
@@ -223,13 +298,6 @@ Expected<bool> needsBase(const Mesh& mesh, const Boundary& boundary, const Close
       ungrounded(found, options.fill_up_to_mm ? "--close base, or a larger --fill-holes-up-to" : "--close base"));
 }
 
-std::vector<std::uint32_t> pieceOfVertices(const Mesh& mesh, const Pieces& pieces) {
-  std::vector<std::uint32_t> out(mesh.vertices.size(), 0);
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-    for (const std::uint32_t v : mesh.triangles[t]) out[v] = pieces.label[t];
-  return out;
-}
-
 /// Marks the longest loop, and those that are long for their piece and open to the same side.
 void markRims(const Mesh& mesh, const Vec3d& down, const CloseOptions& options, Boundary& boundary) {
   const Pieces pieces = edgeConnectedPieces(mesh);
@@ -240,8 +308,8 @@ void markRims(const Mesh& mesh, const Vec3d& down, const CloseOptions& options, 
   for (std::size_t i = 0; i < boundary.loops.size(); ++i) {
     const double own = box[piece_of[boundary.loops[i][0]]].size().norm();
     const double most = options.fill_up_to_mm ? *options.fill_up_to_mm : options.rim_to_diagonal * own;
-    boundary.is_rim[i] =
-        i == boundary.longest || (boundary.lengths[i] > most && areaVector(mesh, boundary.loops[i]).dot(down) > 0);
+    boundary.is_rim[i] = i == boundary.longest || (!boundary.is_hole[i] && boundary.lengths[i] > most &&
+                                                   areaVector(mesh, boundary.loops[i]).dot(down) > 0);
   }
 }
 
@@ -337,7 +405,8 @@ bool areCrowns(const Mesh& mesh, const Boundary& boundary, const CloseOptions& o
   std::vector<char> has_rim(pieces.count, 0);
   for (std::size_t i = 0; i < boundary.loops.size(); ++i) {
     const std::uint32_t piece = piece_of[boundary.loops[i][0]];
-    if (boundary.lengths[i] > options.rim_to_diagonal * box[piece].size().norm()) has_rim[piece] = 1;
+    if (!boundary.is_hole[i] && boundary.lengths[i] > options.rim_to_diagonal * box[piece].size().norm())
+      has_rim[piece] = 1;
   }
   return std::count(has_rim.begin(), has_rim.end(), 1) > 1;
 }
@@ -460,11 +529,19 @@ Expected<void> extrudeRims(Chain& chain, Boundary& boundary, const CloseOptions&
   return {};
 }
 
-Boundary boundaryOf(const Mesh& mesh) {
-  Boundary out{boundaryLoops(mesh.triangles), {}, 0, {}, {}};
-  for (const Loop& loop : out.loops) out.lengths.push_back(length(mesh, loop));
-  out.longest =
-      static_cast<std::size_t>(std::max_element(out.lengths.begin(), out.lengths.end()) - out.lengths.begin());
+Boundary boundaryOf(const Mesh& mesh, const CloseOptions& options) {
+  const bool is_repair = options.only.empty() && options.mode == CloseMode::kRepair;
+  Boundary out{boundaryLoops(mesh.triangles), {}, 0, {}, {}, {}};
+  MissingFaces missing(mesh);
+  for (const Loop& loop : out.loops) {
+    out.lengths.push_back(length(mesh, loop));
+    out.is_hole.push_back(missing.isCorner(loop) || (is_repair && missing.isFace(loop)));
+  }
+  const auto isBefore = [&out](std::size_t i, std::size_t j) {
+    return out.is_hole[i] != out.is_hole[j] ? out.is_hole[j] == 0 : out.lengths[i] < out.lengths[j];
+  };
+  for (std::size_t i = 1; i < out.loops.size(); ++i)
+    if (isBefore(out.longest, i)) out.longest = i;
   out.is_rim.assign(out.loops.size(), 0);
   out.is_inner.assign(out.loops.size(), 0);
   return out;
@@ -479,8 +556,10 @@ Expected<void> dropWhatLooksOpen(Chain& chain, const CloseOptions& options, Boun
   if (is_asked || chain.open_mm > kHardlyOpen * across) return {};
 
   dropSheets(chain, report);
-  boundary = boundaryOf(chain.mesh);
-  if (boundary.loops.empty() || !(boundary.longestLength() > options.rim_to_diagonal * across)) return {};
+  boundary = boundaryOf(chain.mesh, options);
+  if (boundary.loops.empty() || boundary.is_hole[boundary.longest] ||
+      !(boundary.longestLength() > options.rim_to_diagonal * across))
+    return {};
   Error e = ungrounded(fmt::format("a boundary of {:.0f} mm along edges that three or more triangles share; the mesh "
                                    "is open along {:.1f} mm only: no underside is missing",
                                    boundary.longestLength(), chain.open_mm),
@@ -494,7 +573,7 @@ void trimBoundary(Chain& chain, const CloseOptions& options, Boundary& boundary,
   const double across = bounds(chain.mesh).size().norm();
   std::vector<Loop> rims;
   for (std::size_t i = 0; i < boundary.loops.size(); ++i)
-    if (i == boundary.longest || boundary.lengths[i] > options.rim_to_diagonal * across)
+    if (i == boundary.longest || (!boundary.is_hole[i] && boundary.lengths[i] > options.rim_to_diagonal * across))
       rims.push_back(boundary.loops[i]);
 
   const Trimmed taken = trimRims(chain, rims, options.trim_rim_mm);
@@ -513,7 +592,7 @@ void trimBoundary(Chain& chain, const CloseOptions& options, Boundary& boundary,
       "the rim was trimmed, as asked, in {} narrower than {} mm: {}, {} and {:.1f} mm2 of the scan were taken",
       counted(taken.places, "place", "places"), options.trim_rim_mm, counted(taken.vertices, "vertex", "vertices"),
       counted(taken.triangles, "triangle", "triangles"), taken.area_mm2));
-  boundary = boundaryOf(chain.mesh);
+  boundary = boundaryOf(chain.mesh, options);
 }
 
 /// Refuses holes that are not to be filled.
@@ -558,7 +637,7 @@ Expected<void> fillHoles(Chain& chain, const Boundary& boundary, CloseReport& re
 }  // namespace
 
 Expected<void> closeBoundary(Chain& chain, const CloseOptions& options, CloseReport& report, const Progress& progress) {
-  Boundary boundary = boundaryOf(chain.mesh);
+  Boundary boundary = boundaryOf(chain.mesh, options);
   if (boundary.loops.empty()) {
     if (options.only.empty() && options.mode == CloseMode::kBase)
       return fail(ungrounded("a closed mesh, which needs no base", "the same without --close base"));
@@ -573,6 +652,7 @@ Expected<void> closeBoundary(Chain& chain, const CloseOptions& options, CloseRep
   KERF_TRY(has_rim, needsBase(chain.mesh, boundary, options));
   const bool are_crowns = has_rim && areCrowns(chain.mesh, boundary, options);
   if (has_rim && !are_crowns && options.trim_rim_mm > 0) trimBoundary(chain, options, boundary, report);
+  const bool is_face = has_rim && !are_crowns && MissingFaces(chain.mesh).isFace(boundary.loops[boundary.longest]);
   if (are_crowns)
     report.changes.emplace_back("several open shells no larger than a tooth: each was capped, none got a base");
   else if (has_rim)
@@ -581,6 +661,9 @@ Expected<void> closeBoundary(Chain& chain, const CloseOptions& options, CloseRep
     report.changes.push_back(
         fmt::format("no base was made: no underside is missing, the longest opening is {:.1f} mm around",
                     boundary.longestLength()));
+  if (is_face && options.only.empty() && options.mode == CloseMode::kAuto)
+    report.changes.emplace_back(
+        "the rim is flat and has few edges: if a face of a solid is missing, --close repair fills it");
   KERF_CHECK(checkHoles(chain.mesh, boundary, options));
   return fillHoles(chain, boundary, report, progress);
 }

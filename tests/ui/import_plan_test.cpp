@@ -8,6 +8,7 @@
 
 #include "geometry/case/case_bundle.h"
 #include "geometry/formats/mesh_writer.h"
+#include "tests/geometry/ball_mesh.h"
 #include "tests/support/open_block.h"
 #include "tests/support/temporary_folder.h"
 #include "ui/app/app_commands.h"
@@ -25,6 +26,14 @@ class ImportPlanTest : public testing::Test {
     Mesh mesh = test::blockMesh(is_closed);
     for (Vec3d& p : mesh.vertices) p *= scale;
     const fs::path file = folder_.path() / "block.ply";
+    EXPECT_TRUE(writeMesh(file, mesh));
+    return file;
+  }
+  // Its rim has more edges than a face of a block.
+  fs::path bowl() const {
+    Mesh mesh = ballMesh({0, 0, 0}, 3, 60);
+    std::erase_if(mesh.triangles, [&](const Triangle& f) { return mesh.vertices[f[0]].z() < 0; });
+    const fs::path file = folder_.path() / "bowl.ply";
     EXPECT_TRUE(writeMesh(file, mesh));
     return file;
   }
@@ -109,7 +118,7 @@ TEST_F(ImportPlanTest, ThePreviewIsTheSolidThatTheChoicesGive) {
 }
 
 TEST_F(ImportPlanTest, WhatCannotBeClosedIsSaidBeforeItIsPrepared) {
-  ImportPlan plan = planOf(block());
+  ImportPlan plan = planOf(bowl());
   ClosingChoice holes = plan.closing();
   holes.way = ClosingChoice::Way::kHolesOnly;
   ASSERT_TRUE(plan.setClosing(holes));
@@ -217,7 +226,7 @@ TEST_F(ImportCommandsTest, WithoutAChoiceItIsTheCaseThatFileOpenMakes) {
 TEST_F(ImportCommandsTest, ARemedyThatFailsLeavesThePlanForAnother) {
   Workbench bench(options());
   const auto played =
-      play(bench, "import.read \"" + block().string() + "\"\nwait\nimport.close holes\nimport.start\nwait\n");
+      play(bench, "import.read \"" + bowl().string() + "\"\nwait\nimport.close holes\nimport.start\nwait\n");
   EXPECT_FALSE(played);
   EXPECT_FALSE(bench.isOpen());
   ASSERT_TRUE(bench.importPlan());

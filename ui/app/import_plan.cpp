@@ -200,8 +200,10 @@ std::size_t ImportPlan::rimCount() const {
   if (c.way == ClosingChoice::Way::kBase) return 1;
   const double scale = unit().scale_to_mm;
   const double longest_hole = c.holes_up_to_mm.value_or(CloseOptions{}.rim_to_diagonal * boxMm().size().norm());
-  return static_cast<std::size_t>(std::count_if(
-      loops.begin(), loops.end(), [&](const BoundaryLoop& loop) { return scale * loop.length > longest_hole; }));
+  return static_cast<std::size_t>(std::count_if(loops.begin(), loops.end(), [&](const BoundaryLoop& loop) {
+    constexpr std::size_t kTriangle = 3;  // that a coarse solid lacks
+    return scale * loop.length > longest_hole && (loop.edges > kTriangle || c.holes_up_to_mm);
+  }));
 }
 
 Prediction ImportPlan::prediction() const {

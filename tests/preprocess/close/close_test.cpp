@@ -75,12 +75,72 @@ TEST(Close, ABaseThatWasAskedForAndNotMadeIsNoted) {
 }
 
 TEST(Close, RepairRefusesAMissingUnderside) {
-  Mesh m = box({0, 0, 0}, {4, 3, 2});
-  m.triangles.erase(m.triangles.begin(), m.triangles.begin() + 2);
+  Mesh m = ball(24, 48, 5);
+  std::erase_if(m.triangles, [&](const Triangle& f) {
+    return std::any_of(f.begin(), f.end(), [&](std::uint32_t v) { return m.vertices[v].z() < -0.1; });
+  });
   const auto s = closeMesh(m, {.mode = CloseMode::kRepair});
   ASSERT_FALSE(s);
   EXPECT_EQ(s.error().code, Error::Code::kGeometry);
   EXPECT_NE(s.error().hint.find("base"), std::string::npos);
+}
+
+// A prism of n sides without its lid, as a tray.
+Mesh tray(int n, double r, double height) {
+  Mesh m;
+  for (int k = 0; k < n; ++k)
+    for (const double z : {0.0, height})
+      m.vertices.push_back(roundedToFloat(Vec3d(r * std::cos(2 * M_PI * k / n), r * std::sin(2 * M_PI * k / n), z)));
+  m.vertices.push_back(Vec3d::Zero());
+  const auto middle = static_cast<std::uint32_t>(2 * n);
+  for (int k = 0; k < n; ++k) {
+    const auto a = static_cast<std::uint32_t>(2 * k), b = static_cast<std::uint32_t>(2 * ((k + 1) % n));
+    m.triangles.insert(m.triangles.end(), {{a, b, b + 1}, {a, b + 1, a + 1}, {middle, b, a}});
+  }
+  return m;
+}
+
+// Few edges around, however long they are: no underside is missing where a triangle or a corner is.
+TEST(Close, WhereATriangleOfACoarseSolidIsMissingItIsFilled) {
+  const Mesh whole = box({0, 0, 0}, {3, 4, 5});
+  for (std::size_t n = 0; n < 12; ++n)
+    for (const CloseMode mode : {CloseMode::kAuto, CloseMode::kRepair}) {
+      Mesh m = whole;
+      m.triangles.erase(m.triangles.begin() + static_cast<std::ptrdiff_t>(n));
+      const Solid s = closed(m, {.mode = mode});
+      EXPECT_DOUBLE_EQ(signedVolume(s.mesh), 60) << n;
+      EXPECT_EQ(s.report.holes_filled, 1u);
+      EXPECT_EQ(s.report.rims_extruded, 0u);
+    }
+  // Two triangles with an edge between faces: four edges around a corner.
+  Mesh m = whole;
+  m.triangles.erase(m.triangles.begin() + 4);
+  m.triangles.erase(m.triangles.begin());
+  EXPECT_EQ(closed(m).report.rims_extruded, 0u);
+  // Beside a true rim it stays a hole.
+  Mesh open = ball(24, 48, 30);
+  std::erase_if(open.triangles, [&](const Triangle& f) {
+    return std::any_of(f.begin(), f.end(), [&](std::uint32_t v) { return open.vertices[v].z() < -0.1; });
+  });
+  Mesh block = box({40, 0, 0}, {50, 4, 4});
+  block.triangles.pop_back();
+  const Solid both_kinds = closed(both(open, block), kStraight);
+  EXPECT_EQ(both_kinds.report.rims_extruded, 1u);
+  EXPECT_EQ(both_kinds.report.holes_filled, 1u);
+}
+
+TEST(Close, RepairFillsAMissingFaceOfACoarseSolidAndTheBaseInItsPlaceIsTold) {
+  Mesh block = box({0, 0, 0}, {4, 3, 2});
+  block.triangles.erase(block.triangles.begin(), block.triangles.begin() + 2);
+  for (const Mesh& m : {block, tray(12, 30, 8)}) {
+    const Solid filled = closed(m, {.mode = CloseMode::kRepair});
+    const double floor_mm3 = m.vertices.size() == 8 ? 24 : 12 * 0.5 * 30 * 30 * std::sin(M_PI / 6) * 8;
+    EXPECT_NEAR(signedVolume(filled.mesh), floor_mm3, 1e-5 * floor_mm3);
+    const auto& said = closed(m).report.changes;
+    EXPECT_TRUE(std::any_of(said.begin(), said.end(), [](const std::string& change) {
+      return change.find("if a face of a solid is missing, --close repair fills it") != std::string::npos;
+    })) << fmt::format("{}", fmt::join(said, "; "));
+  }
 }
 
 TEST(Close, HoleInABallIsFilled) {
