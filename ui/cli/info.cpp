@@ -27,8 +27,9 @@ json size(const Box3& box) { return point(box.size()); }
 
 Expected<json> meshInfo(const fs::path& path) {
   KERF_TRY(file, readMesh(path));
-  const Box3 box = bounds(file.mesh);
+  const Box3 box = bounds(file.mesh);  // in its own unit
   KERF_TRY(unit, chooseUnit(box, "", file.declared_unit));
+  for (Vec3d& p : file.mesh.vertices) p *= unit.scale_to_mm;
   json j{{"kind", "mesh"},
          {"format", std::string(file.format)},
          {"vertices", file.mesh.vertices.size()},
@@ -37,6 +38,7 @@ Expected<json> meshInfo(const fs::path& path) {
          {"center_in_file_unit", {box.center()[0], box.center()[1], box.center()[2]}},
          {"unit", unit.unit},
          {"unit_reason", unit.reason},
+         {"size_mm", size(bounds(file.mesh))},
          {"vertex_colors", file.mesh.hasVertexColors()},
          {"face_colors", file.mesh.hasFaceColors()},
          {"double_coordinates", file.had_double_coordinates},
