@@ -2,8 +2,28 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace kerf::internal {
+namespace {
+
+// Whether material lies around a point of air on all sides: rays along an even spiral of directions.
+bool isInCavity(const BrickField& field, const Vec3d& p) {
+  constexpr int kRays = 64;
+  const Box3 box = field.bounds();
+  const double turn = std::numbers::pi * (3 - std::sqrt(5.0));
+  for (int n = 0; n < kRays; ++n) {
+    const double z = 1 - (2 * n + 1) / static_cast<double>(kRays), r = std::sqrt(1 - z * z);
+    const Vec3d way(r * std::cos(n * turn), r * std::sin(n * turn), z);
+    double s = field.voxel();
+    while (box.contains(p + s * way) && field.sample(p + s * way) > 0)
+      s += std::max(field.sample(p + s * way), 0.5 * field.voxel());
+    if (!box.contains(p + s * way)) return false;
+  }
+  return true;
+}
+
+}  // namespace
 
 void TipExit::moveTo(const Rigid3& T_object_tool) {
   if (place_) return;
@@ -27,7 +47,7 @@ void TipExit::visit(const Vec3d& tip, const Vec3d& to_shank) {
   for (int axis = 0; axis < 3; ++axis)
     outward[axis] = loaded_.sample(tip + h * Vec3d::Unit(axis)) - loaded_.sample(tip - h * Vec3d::Unit(axis));
   constexpr double kAhead = 0.5;  // cosine
-  if (outward.dot(to_shank) < -kAhead * outward.norm()) place_ = tip;
+  if (outward.dot(to_shank) < -kAhead * outward.norm() && !isInCavity(loaded_, tip)) place_ = tip;
 }
 
 }  // namespace kerf::internal

@@ -2,6 +2,7 @@
 // of.
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "tests/ui/cli_runner.h"
 
@@ -397,6 +398,54 @@ TEST_F(CliPromises, ATrimTellsItsPlanes) {
   const Outcome o = runKerf({"trim", at("box.run"), "--plane", "0,0,2@0,0,-2", "-o", at("half.stl")});
   ASSERT_EQ(o.exit_code, 0) << o.err;
   EXPECT_NE(o.out.find("cut along 0.00000,0.00000,1.00000@"), o.out.npos) << o.out;
+}
+
+// Two arms on a bridge: planes around one of them take the other one too.
+TEST_F(CliPromises, ATrimTellsTheMiddleOfEachPiece) {
+  std::string arms = "OFF\n16 24 0\n", faces;
+  for (int arm = 0; arm < 2; ++arm) {
+    for (int c = 0; c < 8; ++c)
+      arms += fmt::format("{} {} {}\n", 20 * arm + (c & 1 ? 4 : 0), c & 2 ? 4 : 0, c & 4 ? 9 : 0);
+    for (const auto& f :
+         {"0 2 1", "1 2 3", "4 5 6", "5 7 6", "0 1 4", "1 5 4", "2 6 3", "3 6 7", "0 4 2", "2 4 6", "1 3 5", "3 7 5"}) {
+      std::istringstream in(f);
+      int a = 0, b = 0, d = 0;
+      in >> a >> b >> d;
+      faces += fmt::format("3 {} {} {}\n", a + 8 * arm, b + 8 * arm, d + 8 * arm);
+    }
+  }
+  folder_.write("arms.off", arms + faces);
+  const std::vector<std::string> words{"trim",    at("arms.off"), "--plane", "0,0,1@0,0,3",
+                                       "--plane", "0,0,-1@0,0,6", "-o"};
+  const auto with = [&](std::vector<std::string> more) {
+    std::vector<std::string> out = words;
+    out.insert(out.end(), more.begin(), more.end());
+    return runKerf(out);
+  };
+  const Outcome told = with({at("slice.stl")});
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  EXPECT_NE(told.out.find("above: 96.0000 mm3 in 2 pieces"), told.out.npos) << told.out;
+  EXPECT_NE(told.out.find("48.0000 mm3 around (2.00, 2.00, 4.50) mm"), told.out.npos) << told.out;
+  EXPECT_NE(told.out.find("48.0000 mm3 around (22.00, 2.00, 4.50) mm"), told.out.npos) << told.out;
+  const json j = json::parse(with({at("slice.ply"), "--json"}).out);
+  ASSERT_EQ(j["parts"][0]["pieces_at"].size(), 2u) << j;
+  EXPECT_NEAR(j["parts"][0]["pieces_at"][1]["middle_mm"][0].get<double>(), 22, 1e-4);
+}
+
+TEST_F(CliPromises, InfoOfAMeshInAnotherUnitIsInMm) {
+  std::string metres = "OFF\n8 12 0\n";
+  for (int c = 0; c < 8; ++c)
+    metres += fmt::format("{} {} {}\n", c & 1 ? 0.03 : -0.03, c & 2 ? 0.025 : -0.025, c & 4 ? 0.04 : 0.0);
+  const std::string mm = box();
+  folder_.write("metres.off", metres + mm.substr(mm.find("3 0 2 3")));
+  const Outcome o = runKerf({"info", at("metres.off"), "--json"});
+  ASSERT_EQ(o.exit_code, 0) << o.err;
+  const json j = json::parse(o.out);
+  EXPECT_EQ(j["unit"], "m");
+  EXPECT_NEAR(j["size_in_file_unit"][0].get<double>(), 0.06, 1e-9);
+  EXPECT_NEAR(j["size_mm"][0].get<double>(), 60, 1e-6);
+  EXPECT_NEAR(j["check"]["volume_mm3"].get<double>(), 60 * 50 * 40, 1e-3) << j["check"];
+  EXPECT_TRUE(j["check"]["print_ready"].get<bool>()) << j["check"];
 }
 
 TEST_F(CliPromises, AToolMeshInAnotherUnitIsRefused) {

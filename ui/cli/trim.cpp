@@ -1,6 +1,7 @@
 // kerf trim: a solid cut by planes.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <memory>
@@ -13,6 +14,7 @@
 #include "geometry/formats/mesh_formats.h"
 #include "geometry/formats/mesh_writer.h"
 #include "geometry/mesh/mesh_check.h"
+#include "geometry/mesh/solids.h"
 #include "preprocess/unit/unit.h"
 #include "sim/run/export_bundle.h"
 #include "sim/run/placed_pieces.h"
@@ -180,11 +182,37 @@ Expected<void> requireNew(const TrimArguments& a, const Source& source, const st
                .hint = "another name or folder"});
 }
 
+// A piece of a part: several planes may cut off more than the one that was meant.
+struct PieceAt {
+  double volume_mm3 = 0;
+  Vec3d middle = Vec3d::Zero();
+};
+
+std::vector<PieceAt> piecesAt(const Mesh& mesh) {
+  const Solids solids = solidsOf(mesh);
+  std::vector<PieceAt> out(solids.count);
+  const Vec3d c = bounds(mesh).center();
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Vec3d p = mesh.corner(t, 0) - c, q = mesh.corner(t, 1) - c, r = mesh.corner(t, 2) - c;
+    const double volume = p.dot(q.cross(r)) / 6;
+    out[solids.label[t]].volume_mm3 += volume;
+    out[solids.label[t]].middle += volume / 4 * (p + q + r);
+  }
+  for (PieceAt& piece : out) piece.middle = c + piece.middle / piece.volume_mm3;
+  std::stable_sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.volume_mm3 > b.volume_mm3; });
+  return out;
+}
+
 json trimJson(const char* name, const PostOpMesh& part) {
   const PostOpReport& r = part.report;
+  json pieces = json::array();
+  for (const PieceAt& piece : piecesAt(part.mesh))
+    pieces.push_back(
+        {{"volume_mm3", piece.volume_mm3}, {"middle_mm", {piece.middle[0], piece.middle[1], piece.middle[2]}}});
   return {{"part", name},
           {"volume_mm3", r.result_volume_mm3},
           {"pieces", r.pieces},
+          {"pieces_at", pieces},
           {"vertices", part.mesh.vertices.size()},
           {"triangles", part.mesh.triangles.size()},
           {"source_vertices_kept", r.source_vertices_kept},
@@ -211,9 +239,14 @@ json trimJson(const Cut& cut, const Source& source, const PlaneCut& result, cons
 }
 
 void printTrim(const TrimArguments& a, const Cut& cut, const PlaneCut& result, const std::vector<TrimOutput>& outputs) {
-  const auto line = [](const char* name, const PostOpReport& r, bool is_kept) {
+  const auto line = [](const char* name, const PostOpMesh& part, bool is_kept) {
+    const PostOpReport& r = part.report;
     fmt::print("{}: {:.4f} mm3 in {}{}; {} vertices of the solid kept bit for bit\n", name, r.result_volume_mm3,
                counted(r.pieces, "piece"), is_kept ? "" : ", cut off", r.source_vertices_kept);
+    if (r.pieces > 1)
+      for (const PieceAt& piece : piecesAt(part.mesh))
+        fmt::print("  {:.4f} mm3 around ({:.2f}, {:.2f}, {:.2f}) mm\n", piece.volume_mm3, piece.middle[0],
+                   piece.middle[1], piece.middle[2]);
     if (r.crumbs_dropped)
       fmt::print("  dropped {} below {:.2g} mm3, {:.6f} mm3 together\n", counted(r.crumbs_dropped, "crumb"),
                  r.crumb_mm3, r.crumbs_volume_mm3);
@@ -221,8 +254,8 @@ void printTrim(const TrimArguments& a, const Cut& cut, const PlaneCut& result, c
   for (const Plane& plane : cut.planes)
     fmt::print("cut along {:.5f},{:.5f},{:.5f}@{:.4f},{:.4f},{:.4f} (normal @ point, mm)\n", plane.normal[0],
                plane.normal[1], plane.normal[2], plane.point[0], plane.point[1], plane.point[2]);
-  line(cut.names[0], result.above.report, keepsFirst(a));
-  line(cut.names[1], result.rest.report, keepsSecond(a));
+  line(cut.names[0], result.above, keepsFirst(a));
+  line(cut.names[1], result.rest, keepsSecond(a));
   fmt::print("the cut faces are flat to {:.3f} um\n", 1e3 * result.flatness_mm);
   if (result.shift_mm > 0)
     fmt::print("the cut was moved by {:.2f} um along its normals to survive float32\n", 1e3 * result.shift_mm);
@@ -275,6 +308,8 @@ constexpr const char* kTrimFooter =
     "parts\n"
     "are written unless --keep says which, NAME-above.stl and NAME-below.stl; of --box and --between NAME-die.stl and\n"
     "NAME-rest.stl. Both are closed by flat faces; vertices that are not cut stay bit for bit.\n"
+    "A plane has no end: it also cuts what lies far away, as the other condyle. Each piece is listed with its middle.\n"
+    "To cut one side alone use --between, which takes the piece there, or --box around it.\n"
     "Examples:\n"
     "  kerf trim arch.case --plane occlusal@-12 --keep above -o arch.stl    the underside off, 12 mm under the cusps\n"
     "  kerf trim arch.case --between -8,40,3/2,42,3 --keep die -o die.stl   a tooth out of a model, between two "
