@@ -10,13 +10,18 @@
 #include <array>
 #include <atomic>
 #include <cerrno>
+#include <chrono>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <locale>
+#include <optional>
 #include <streambuf>
+
+#include "geometry/base/hash.h"
+#include "geometry/base/text.h"
 
 namespace kerf {
 namespace {
@@ -47,6 +52,16 @@ class DescriptorBuffer : public std::streambuf {
     return traits_type::not_eof(c);
   }
   int sync() override { return drain() ? 0 : -1; }
+  pos_type seekoff(off_type offset, std::ios_base::seekdir from, std::ios_base::openmode) override {
+    const bool tells = offset == 0 && from == std::ios_base::cur;
+    if (!tells && !drain()) return pos_type(off_type(-1));
+    const int whence = from == std::ios_base::beg ? SEEK_SET : from == std::ios_base::cur ? SEEK_CUR : SEEK_END;
+    const off_t at = ::lseek(fd_, offset, whence);
+    return at < 0 ? pos_type(off_type(-1)) : pos_type(at + (pptr() - pbase()));
+  }
+  pos_type seekpos(pos_type at, std::ios_base::openmode which) override {
+    return seekoff(off_type(at), std::ios_base::beg, which);
+  }
 
  private:
   bool drain() {
@@ -75,6 +90,17 @@ int syncPath(const fs::path& path, int flags) {
   const int reason = ::fsync(fd) != 0 && errno != EINVAL ? errno : 0;
   ::close(fd);
   return reason;
+}
+
+Expected<void> syncAllIn(const fs::path& folder) {
+  std::error_code error;
+  for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    const bool is_ours = it->is_directory(error) || it->is_regular_file(error);
+    if (const int reason = is_ours ? syncPath(it->path(), 0) : 0)
+      return fail(writeError(it->path(), "syncing to the disk", reason));
+  }
+  if (error) return fail(writeError(folder, "syncing to the disk", error.value()));
+  return syncFolder(folder);
 }
 
 // Where a symbolic link leads, so that the link itself survives.
@@ -116,19 +142,35 @@ std::string temporaryPrefix(const fs::path& target) {
 
 constexpr std::string_view kMovedAside = "-old";  // the target while a new one takes its place
 
-// Deletes what killed processes were writing for the same target, and puts back a target that one of them had moved
-// aside. What another machine that shares the folder writes, or this one wrote before it was started anew, is left
-// alone: whether its process lives can not be told from here.
-void sweepLeftovers(const fs::path& target) {
-  const std::string prefix = temporaryPrefix(target);
+struct Leftover {
+  std::string name, table;  // of the target
+  int process = 0;
+};
+
+std::optional<Leftover> leftoverOf(const std::string& file) {
+  constexpr std::string_view kMark = ".kerf-";
+  const std::size_t mark = file.rfind(kMark), table = mark + kMark.size();
+  if (mark == file.npos || mark < 2 || file.front() != '.' || file.find('-', table) != table + 8) return {};
+  return Leftover{file.substr(1, mark - 1), file.substr(table, 8), std::atoi(file.c_str() + table + 9)};
+}
+
+// Deletes what killed processes were writing in a folder, and puts back a target that one of them had moved aside.
+// Whether a process of another machine that shares the folder lives, or of this one before it was started anew, can not
+// be told from here: nobody writes for a week.
+void sweepLeftovers(const fs::path& folder) {
+  constexpr std::chrono::hours kNobodyWrites{7 * 24};
   std::error_code ignored;
-  for (fs::directory_iterator it(folderOf(target), ignored), end; it != end; it.increment(ignored)) {
-    const std::string name = it->path().filename().string();
-    if (!name.starts_with(prefix)) continue;
-    const int process = std::atoi(name.c_str() + prefix.size());
-    const bool is_dead = process > 0 && ::kill(process, 0) != 0 && errno == ESRCH;
-    if (!is_dead) continue;
-    if (name.ends_with(kMovedAside) && !fs::exists(fs::symlink_status(target, ignored)))
+  for (fs::directory_iterator it(folder, ignored), end; it != end; it.increment(ignored)) {
+    const std::string file = it->path().filename().string();
+    const auto left = leftoverOf(file);
+    if (!left || left->process <= 0) continue;
+    std::error_code failed;
+    const bool is_dead = left->table == processTable()
+                             ? ::kill(left->process, 0) != 0 && errno == ESRCH
+                             : it->last_write_time(failed) < fs::file_time_type::clock::now() - kNobodyWrites;
+    if (!is_dead || failed) continue;
+    const fs::path target = folder / left->name;
+    if (file.ends_with(kMovedAside) && !fs::exists(fs::symlink_status(target, ignored)))
       fs::rename(it->path(), target, ignored);
     else
       fs::remove_all(it->path(), ignored);
@@ -140,7 +182,7 @@ void sweepLeftovers(const fs::path& target) {
 template <class Make>
 std::string makeTemporary(const fs::path& target, const Make& make) {
   static std::atomic<unsigned> counter{0};
-  sweepLeftovers(target);
+  sweepLeftovers(folderOf(target));
   for (int attempt = 0; attempt < 1000; ++attempt) {
     std::string name =
         (folderOf(target) / fmt::format("{}{}-{}", temporaryPrefix(target), ::getpid(), counter++)).string();
@@ -168,6 +210,7 @@ struct AtomicFile::State {
   }
   State(const State&) = delete;
   State& operator=(const State&) = delete;
+  Expected<void> flush();
 
   int fd;
   fs::path path, target;
@@ -212,13 +255,24 @@ Expected<AtomicFile> AtomicFile::create(const fs::path& path) {
 
 std::ostream& AtomicFile::stream() { return state_->stream; }
 
+Expected<void> AtomicFile::State::flush() {
+  stream.flush();
+  if (buffer.reason() != 0) return fail(writeError(path, "writing", buffer.reason()));
+  if (!stream)
+    return fail(
+        {.code = Error::Code::kWriteFailed, .file = path.string(), .place = "writing", .found = "the stream failed"});
+  return {};
+}
+
+Expected<std::string> AtomicFile::sha256() {
+  KERF_CHECK(state_->flush());
+  if (state_->temporary.empty()) return std::string();
+  return sha256OfFile(state_->temporary);
+}
+
 Expected<void> AtomicFile::commit() {
   State& s = *state_;
-  s.stream.flush();
-  if (s.buffer.reason() != 0) return fail(writeError(s.path, "writing", s.buffer.reason()));
-  if (!s.stream)
-    return fail(
-        {.code = Error::Code::kWriteFailed, .file = s.path.string(), .place = "writing", .found = "the stream failed"});
+  KERF_CHECK(s.flush());
   // A terminal or pipe cannot be synced (EINVAL, EROFS).
   if (::fsync(s.fd) != 0 && !s.temporary.empty()) return fail(writeError(s.path, "syncing to the disk", errno));
   const int fd = s.fd;
@@ -228,9 +282,7 @@ Expected<void> AtomicFile::commit() {
   if (::rename(s.temporary.c_str(), s.target.c_str()) != 0)
     return fail(writeError(s.path, "renaming into place", errno));
   s.temporary.clear();
-  if (const int reason = syncPath(folderOf(s.target), O_DIRECTORY))
-    return fail(writeError(s.path, "syncing its folder to the disk", reason));
-  return {};
+  return syncFolder(folderOf(s.target));
 }
 
 struct AtomicFolder::State {
@@ -273,13 +325,10 @@ bool isUsualName(const std::string& name, std::string_view manifest) {
 // The text of all .toml files of a folder, of each no more than Kerf ever writes.
 std::string tomlTextOf(const fs::path& folder) {
   constexpr std::size_t kMost = 1 << 20;
-  std::string out, text(kMost, '\0');
+  std::string out;
   std::error_code ignored;
   for (fs::directory_iterator it(folder, ignored), end; it != end; it.increment(ignored)) {
-    if (it->path().extension() != ".toml" || !it->is_regular_file(ignored)) continue;
-    std::ifstream in(it->path(), std::ios::binary);
-    in.read(text.data(), static_cast<std::streamsize>(kMost));
-    out.append(text.data(), static_cast<std::size_t>(in.gcount()));
+    if (it->path().extension() == ".toml") out += readSmallFile(it->path(), kMost).value_or("");
   }
   return out;
 }
@@ -317,6 +366,7 @@ AtomicFolder& AtomicFolder::operator=(AtomicFolder&&) noexcept = default;
 AtomicFolder::~AtomicFolder() = default;
 
 const fs::path& AtomicFolder::staging() const { return state_->staging; }
+const fs::path& AtomicFolder::target() const { return state_->target; }
 
 Expected<AtomicFolder> AtomicFolder::create(const fs::path& path, bool overwrite, std::string_view manifest) {
   auto state = std::make_unique<State>();
@@ -325,7 +375,7 @@ Expected<AtomicFolder> AtomicFolder::create(const fs::path& path, bool overwrite
   state->overwrite = overwrite;
   state->manifest = manifest;
   if (!state->target.has_filename()) return fail(writeError(path, "making the folder", EINVAL));
-  sweepLeftovers(state->target);
+  sweepLeftovers(folderOf(state->target));
   std::error_code error;
   const fs::file_status status = fs::status(state->target, error);
   if (fs::exists(status)) {
@@ -366,14 +416,7 @@ Expected<AtomicFolder> AtomicFolder::create(const fs::path& path, bool overwrite
 Expected<void> AtomicFolder::commit() {
   State& s = *state_;
   std::error_code error;
-  for (fs::recursive_directory_iterator it(s.staging, error), end; !error && it != end; it.increment(error)) {
-    const bool folder = it->is_directory(error);
-    if (const int reason = folder || it->is_regular_file(error) ? syncPath(it->path(), 0) : 0)
-      return fail(writeError(s.path, fmt::format("syncing {} to the disk", it->path().filename().string()), reason));
-  }
-  if (error) return fail(writeError(s.path, "syncing to the disk", error.value()));
-  if (const int reason = syncPath(s.staging, O_DIRECTORY))
-    return fail(writeError(s.path, "syncing to the disk", reason));
+  KERF_CHECK(syncAllIn(s.staging));
 
   // rename() replaces nothing or an empty folder; a full one has to be exchanged, which leaves the old one in staging.
   if (::rename(s.staging.c_str(), s.target.c_str()) == 0) {
@@ -408,8 +451,28 @@ Expected<void> AtomicFolder::commit() {
   } else {
     return fail(writeError(s.path, "renaming into place", errno));
   }
-  if (const int reason = syncPath(folderOf(s.target), O_DIRECTORY))
-    return fail(writeError(s.path, "syncing its folder to the disk", reason));
+  return syncFolder(folderOf(s.target));
+}
+
+Expected<void> syncFolder(const fs::path& folder) {
+  if (const int reason = syncPath(folder.empty() ? fs::path(".") : folder, O_DIRECTORY))
+    return fail(writeError(folder, "syncing the folder to the disk", reason));
+  return {};
+}
+
+Expected<void> syncTree(const fs::path& folder) {
+  KERF_CHECK(syncAllIn(folder));
+  std::error_code ignored;
+  fs::path above = folderOf(fs::absolute(folder, ignored));
+  KERF_CHECK(syncFolder(above));
+  for (; above != folderOf(above); above = folderOf(above)) syncPath(folderOf(above), O_DIRECTORY);  // they may be new
+  return {};
+}
+
+Expected<void> copyFile(const fs::path& from, const fs::path& to) {
+  std::error_code failed;
+  fs::copy_file(from, to, failed);
+  if (failed) return fail(writeError(to, "copying " + from.string(), failed.value()));
   return {};
 }
 

@@ -14,7 +14,7 @@ namespace kerf {
 class AtomicFile {
  public:
   /// Opens a temporary file in the folder of `path`, which must exist, and deletes there what killed processes were
-  /// writing for the same target. A symbolic link is followed, so that it stays one; one that leads nowhere is refused.
+  /// writing. A symbolic link is followed, so that it stays one; one that leads nowhere is refused.
   /// A target that is not a regular file (a device, a pipe) is opened itself: it cannot be replaced.
   static Expected<AtomicFile> create(const std::filesystem::path& path);
 
@@ -22,8 +22,10 @@ class AtomicFile {
   AtomicFile& operator=(AtomicFile&&) noexcept;
   ~AtomicFile();
 
-  /// Buffered, classic locale. Failed writes set badbit; the reason comes with commit().
+  /// Buffered, seekable, classic locale. Failed writes set badbit; the reason comes with commit().
   std::ostream& stream();
+  /// SHA-256 of the bytes so far. Of a target that cannot be replaced: empty.   Error kWriteFailed: a write failed.
+  Expected<std::string> sha256();
   /// Flushes, syncs to the disk, renames over the target. Call once. Errors carry the system's reason ("No space left
   /// on device"); the old file is then untouched.
   Expected<void> commit();
@@ -50,6 +52,7 @@ class AtomicFolder {
   ~AtomicFolder();
 
   const std::filesystem::path& staging() const;
+  const std::filesystem::path& target() const;
   /// Syncs every file and folder in staging(), then puts it in place of the target in one step (Linux RENAME_EXCHANGE;
   /// where the file system lacks it, the old folder is renamed aside first) and deletes the old one.
   Expected<void> commit();
@@ -59,6 +62,14 @@ class AtomicFolder {
   explicit AtomicFolder(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };
+
+/// Waits until the names in a folder are on the disk.   Error kWriteFailed.
+Expected<void> syncFolder(const std::filesystem::path& folder);
+/// The same of all files and folders in it, and of its own name in the folders above.
+Expected<void> syncTree(const std::filesystem::path& folder);
+/// Copies a file to a name that is free. Nothing is synced: syncTree() or AtomicFolder::commit() must follow.
+/// Error kWriteFailed.
+Expected<void> copyFile(const std::filesystem::path& from, const std::filesystem::path& to);
 
 /// Before a bundle is deleted: nothing of somebody else's may go with it.   @param manifest  the name of its manifest.
 /// Error kWriteFailed, naming the first entry of the folder, by name, that Kerf did not write.

@@ -4,10 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <numeric>
 #include <sstream>
 #include <utility>
+
+#include "geometry/base/text.h"
 
 namespace kerf {
 namespace {
@@ -228,24 +229,17 @@ Expected<void> TomlTable::finish() {
 }
 
 Expected<toml::table> parseToml(const std::filesystem::path& file) {
-  std::error_code ignored;
-  std::ifstream in;
-  if (std::filesystem::is_regular_file(file, ignored)) in.open(file, std::ios::binary);  // not a folder, pipe, device
-  if (!in.is_open())
-    return fail({std::filesystem::exists(file, ignored) ? Error::Code::kUnreadable : Error::Code::kNotFound,
-                 file.string(), "", std::filesystem::exists(file, ignored) ? "can not be read" : "no such file",
-                 "a TOML file", ""});
-  constexpr std::uintmax_t kMostBytes = 16 << 20;  // 400 000 poses
-  const std::uintmax_t bytes = std::filesystem::file_size(file, ignored);
-  std::string content(static_cast<std::size_t>(std::min(bytes, kMostBytes + 1)), '\0');
-  in.read(content.data(), static_cast<std::streamsize>(content.size()));
-  content.resize(static_cast<std::size_t>(in.gcount()));
-  if (content.size() > kMostBytes)
-    return fail({.code = Error::Code::kBadFormat,
-                 .file = file.string(),
-                 .found = fmt::format("more than {} MB", kMostBytes >> 20),
-                 .expected = "a TOML file of a few kB",
-                 .hint = "a path of many poses is read from .csv"});
+  constexpr std::size_t kMostBytes = 16 << 20;  // 400 000 poses
+  auto content_or_error = readSmallFile(file, kMostBytes);
+  if (!content_or_error) {
+    Error error = std::move(content_or_error).error();
+    const bool is_large = error.code == Error::Code::kBadFormat;
+    error.expected = is_large ? "a TOML file of a few kB" : "a TOML file";
+    if (is_large) error.found = fmt::format("more than {} MB", kMostBytes >> 20);
+    if (is_large) error.hint = "a path of many poses is read from .csv";
+    return fail(std::move(error));
+  }
+  const std::string& content = *content_or_error;
   // toml++ limits how deep values nest, but not how long a dotted key is, and it walks the tables of one recursively.
   constexpr int kMostDots = 500;
   std::istringstream lines(content);

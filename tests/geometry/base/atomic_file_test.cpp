@@ -79,7 +79,7 @@ TEST(AtomicFile, ALinkToWhatIsNotThereIsRefused) {
   EXPECT_EQ(folder.entries(), 1u);
 }
 
-// Killed in the middle, a process leaves what it wrote; the next one that writes the same target takes it away, and
+// Killed in the middle, a process leaves what it wrote; the next one that writes into the folder takes it away, and
 // nothing else.
 TEST(AtomicFile, LeftoversOfAKilledProcessAreDeleted) {
   const TemporaryFolder folder;
@@ -96,11 +96,11 @@ TEST(AtomicFile, LeftoversOfAKilledProcessAreDeleted) {
   ASSERT_TRUE(WIFSIGNALED(status));
   ASSERT_EQ(folder.entries(), 2u);
 
-  auto other = AtomicFile::create(folder.path() / "cut.st");  // a name that begins alike
+  auto other = AtomicFile::create(folder.path() / "another target");
+  EXPECT_EQ(folder.entries(), 1u);
   auto mine = AtomicFile::create(file);
-  EXPECT_EQ(folder.entries(), 3u);
   auto third = AtomicFile::create(file);  // what we are writing ourselves stays
-  EXPECT_EQ(folder.entries(), 4u);
+  EXPECT_EQ(folder.entries(), 3u);
   ASSERT_TRUE(mine && mine->commit());
   auto made = AtomicFolder::create(bundle, false);
   ASSERT_TRUE(made);
@@ -109,6 +109,21 @@ TEST(AtomicFile, LeftoversOfAKilledProcessAreDeleted) {
   EXPECT_TRUE(fs::exists(file));
   EXPECT_TRUE(fs::exists(bundle));
   EXPECT_EQ(folder.entries(), 4u) << "these two, and the two that are being written";
+}
+
+// Before this machine was started anew, or on another one: whether its process lives is not known.
+TEST(AtomicFile, LeftoversOfAnotherBootAreDeletedAfterAWeek) {
+  const TemporaryFolder folder;
+  const fs::path young = folder.write(".a.stl.kerf-0123abcd-77-0", "x"),
+                 old = folder.write(".b.kerf-0123abcd-77-1", "x");
+  const fs::path mine = folder.write(".notes.kerf-of mine", "x"), aside = folder.write(".c.kerf-0123abcd-9-2-old", "c");
+  for (const fs::path& file : {old, mine, aside})
+    fs::last_write_time(file, fs::file_time_type::clock::now() - std::chrono::hours(8 * 24));
+  (void)AtomicFile::create(folder.path() / "new");
+  EXPECT_TRUE(fs::exists(young));
+  EXPECT_FALSE(fs::exists(old));
+  EXPECT_TRUE(fs::exists(mine));
+  EXPECT_EQ(contentOf(folder.path() / "c"), "c") << "moved back";
 }
 
 // Where a file system can not exchange two folders the old one is moved aside first: killed then, a program leaves no
