@@ -36,6 +36,22 @@ TEST(VdbIo, FieldsComeBackBitForBitWithTheirDeepInside) {
   EXPECT_EQ(back->interiorBricks().size(), 2u);
 }
 
+// OpenVDB gives each file a random identifier.
+TEST(VdbIo, TheSameFieldsAreTheSameBytesAndOthersHaveAnotherIdentifier) {
+  const TemporaryFolder folder;
+  BrickField field(0.05, 0.2f, -0.25f);
+  field.brick(field.touch({-3, 2, 1}))[7] = 0.1f;
+  std::string bytes[3];
+  for (std::string& one : bytes) {
+    if (&one == &bytes[2]) field.brick(field.touch({-3, 2, 1}))[8] = 0.1f;
+    ASSERT_TRUE(writeVdb(folder.path() / "f.vdb", {{"phi", &field}}));
+    one = contentOf(folder.path() / "f.vdb");
+  }
+  EXPECT_EQ(bytes[0], bytes[1]);
+  EXPECT_NE(bytes[0].substr(21, 36), bytes[2].substr(21, 36));
+  EXPECT_EQ(bytes[0].find_first_not_of("0123456789abcdef-", 21), 57u) << "it stands where it is expected";
+}
+
 TEST(VdbIo, AMissingFileOrGridIsAnError) {
   const TemporaryFolder folder;
   EXPECT_FALSE(readVdb(folder.path() / "none.vdb", "phi"));
