@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <fstream>
 
+#include "geometry/base/atomic_file.h"
 #include "geometry/base/hash.h"
 #include "geometry/base/toml_reader.h"
 #include "geometry/field/distance_check.h"
@@ -306,16 +306,9 @@ bool isCase(const std::filesystem::path& folder) {
 }
 
 Expected<void> writeCaseManifest(const std::filesystem::path& folder, const CaseManifest& m) {
-  const auto path = folder / kCaseManifest;
-  std::ofstream out(path, std::ios::binary);
-  out << "# Kerf case. Lengths in mm. Training and lab tool, not a medical device.\n" << tableOf(m) << "\n";
-  out.close();
-  if (out) return {};
-  return fail({.code = Error::Code::kWriteFailed,
-               .file = path.string(),
-               .found = "could not be written",
-               .expected = "a writable place with room",
-               .hint = "free some space"});
+  KERF_TRY(file, AtomicFile::create(folder / kCaseManifest));
+  file.stream() << "# Kerf case. Lengths in mm. Training and lab tool, not a medical device.\n" << tableOf(m) << "\n";
+  return file.commit();
 }
 
 Expected<CaseManifest> readCaseManifest(const std::filesystem::path& folder) {

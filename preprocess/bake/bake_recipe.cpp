@@ -5,6 +5,7 @@
 #include <memory>
 #include <set>
 
+#include "geometry/base/atomic_file.h"
 #include "geometry/base/hash.h"
 #include "preprocess/bake/bake.h"
 #include "preprocess/bake/bake_job.h"
@@ -82,12 +83,7 @@ Expected<std::string> textForId(const CaseRecipe& recipe) {
 }
 
 Expected<void> storeRecipe(const fs::path& recipe_file, const fs::path& case_folder) {
-  const fs::path copy = case_folder / kCaseRecipe;
-  std::error_code failed;
-  fs::copy_file(recipe_file, copy, failed);
-  if (!failed) return {};
-  return fail(
-      {.code = Error::Code::kWriteFailed, .file = copy.string(), .found = failed.message(), .hint = "free some space"});
+  return copyFile(recipe_file, case_folder / kCaseRecipe);
 }
 
 // readMeshSources() takes every unit it is given for one from the command line.

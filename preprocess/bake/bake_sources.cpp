@@ -7,6 +7,7 @@
 #include <span>
 #include <system_error>
 
+#include "geometry/base/atomic_file.h"
 #include "geometry/base/available_memory.h"
 #include "geometry/base/hash.h"
 #include "geometry/formats/mesh_io.h"
@@ -127,16 +128,10 @@ Expected<CaseSource*> storeSource(const fs::path& path, const std::string& forma
   failed.clear();
   if (keeps_names) {
     fs::create_directory(copy, failed);
-    for (const fs::path& file : files)
-      if (!failed) fs::copy_file(file, copy / file.filename(), failed);
+    for (const fs::path& file : files) KERF_CHECK(copyFile(file, copy / file.filename()));
   } else {
-    fs::copy_file(path, copy, failed);
+    KERF_CHECK(copyFile(path, copy));
   }
-  if (failed)
-    return fail({.code = Error::Code::kWriteFailed,
-                 .file = copy.string(),
-                 .found = failed.message(),
-                 .hint = "free some space"});
   manifest.sources.push_back(source);
   return &manifest.sources.back();
 }

@@ -104,8 +104,10 @@ Expected<CutCase> loadCut(const fs::path& run_folder, const RunManifest& manifes
   const bool is_geometry = manifest.hasSweep();
   KERF_TRY(cut, is_geometry ? readRunSweep(run_folder) : readRunCutField(run_folder, beside));
   const char* const advice = "cut again; a run is never edited";
+  // Of a session those that were in hand.
   for (const RunManifest::ToolFile& tool : manifest.tools)
-    KERF_CHECK(requireSha256(run_folder / tool.file, tool.sha256, advice));
+    if ((", " + manifest.tool_id + ", ").find(", " + tool.id + ", ") != std::string::npos)
+      KERF_CHECK(requireSha256(run_folder / tool.file, tool.sha256, advice));
   if (manifest.mode != kModeSession) {
     KERF_CHECK(requireSha256(run_folder / internal::kRunToolCopy, manifest.tool_sha256, advice));
     KERF_CHECK(requireSha256(run_folder / manifest.path_file, manifest.path_sha256, advice));

@@ -179,9 +179,9 @@ Expected<RunManifest::EarlierCut> storeEarlier(const fs::path& from, const RunMa
   out.path_file = (folder / fs::path(cut.path_file).filename()).string();
   std::error_code ignored;
   fs::create_directories(staging / folder, ignored);  // copying tells what is wrong
-  KERF_CHECK(internal::copyInto(from / cut.tool_file, staging / out.tool_file));
-  KERF_CHECK(internal::copyInto(from / cut.path_file, staging / out.path_file));
-  if (tool.mesh) KERF_CHECK(internal::copyInto(tool.mesh_file, staging / folder / tool.mesh_file.filename()));
+  KERF_CHECK(copyFile(from / cut.tool_file, staging / out.tool_file));
+  KERF_CHECK(copyFile(from / cut.path_file, staging / out.path_file));
+  if (tool.mesh) KERF_CHECK(copyFile(tool.mesh_file, staging / folder / tool.mesh_file.filename()));
   return out;
 }
 

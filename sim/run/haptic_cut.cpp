@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <memory>
 
 #include "geometry/base/atomic_file.h"
@@ -335,16 +334,9 @@ Expected<void> writeRun(const fs::path& staging, const fs::path& run_folder, con
   for (std::size_t n = 1; n < changed.size(); ++n) fields.push_back({neighbourId(n), &changed[n]});
   KERF_CHECK(writeVdb(staging / internal::kRunField, fields, {{"case_id", cut.manifest.case_id}}, &added));
 
-  std::ofstream summary(staging / internal::kRunSummary, std::ios::binary);
-  summary << toJson(cut.summary) << "\n";
-  summary.close();
-  if (!summary)
-    return fail({.code = Error::Code::kWriteFailed,
-                 .file = run_folder.string(),
-                 .place = internal::kRunSummary,
-                 .found = "could not be written",
-                 .expected = "a writable place with room",
-                 .hint = "free some space"});
+  KERF_TRY(summary, AtomicFile::create(staging / internal::kRunSummary));
+  summary.stream() << toJson(cut.summary) << "\n";
+  KERF_CHECK(summary.commit());
   return internal::finishRun(staging, inputs.tool, inputs.tool_file, inputs.path_file, cut.manifest);
 }
 

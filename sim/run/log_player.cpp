@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <optional>
+#include <set>
 #include <utility>
 
 #include "geometry/base/hash.h"
@@ -37,9 +39,31 @@ class HeaderCheck {
   fs::path file_;
 };
 
-// The tools of a run, read from its copies, and whether they are those of the log.
-Expected<std::vector<Tool>> readToolsOfLog(const fs::path& run_folder, const RunManifest& manifest,
-                                           const SessionLog& log, const HeaderCheck& header) {
+// Which tools a log's strokes were cut with.
+std::set<std::size_t> toolsOfStrokes(const SessionLog& log) {
+  std::set<std::size_t> out;
+  std::size_t in_hand = 0;
+  bool is_in_stroke = false;
+  for (const SessionEvent& event : log.events) {
+    if (const auto* const mark = std::get_if<StrokeMark>(&event.what)) is_in_stroke = *mark == StrokeMark::kBegin;
+    const auto* const text = std::get_if<SessionCommand>(&event.what);
+    const auto command = text ? parseCommand(text->text) : fail({});
+    if (const auto* const select = command ? std::get_if<SelectTool>(&*command) : nullptr) in_hand = select->tool;
+    if (is_in_stroke) out.insert(in_hand);
+  }
+  return out;
+}
+
+Expected<Tool> readStoredTool(const fs::path& file, const std::string& sha256) {
+  KERF_CHECK(requireSha256(file, sha256, "cut again"));
+  return readTool(file);
+}
+
+// The tools of a run, read from its copies, and whether they are those of the log. In the place of a damaged one that
+// cut nothing stands another one, under its id.
+Expected<void> readToolsOfLog(const fs::path& run_folder, const RunManifest& manifest, const HeaderCheck& header,
+                              Recording& out) {
+  const SessionLog& log = out.log;
   std::vector<RunManifest::ToolFile> files = manifest.tools;
   if (manifest.mode != kModeSession) files = {{manifest.tool_id, kRunToolCopy, manifest.tool_sha256}};
 
@@ -50,15 +74,24 @@ Expected<std::vector<Tool>> readToolsOfLog(const fs::path& run_folder, const Run
     return header.refuse("tool_sha256", fmt::format("{} tools", in_log.size()),
                          fmt::format("{} of them", files.size()));
 
-  std::vector<Tool> out;
+  const std::set<std::size_t> used = toolsOfStrokes(log);
+  std::optional<Error> damage;
+  std::size_t whole = files.size();
   for (std::size_t n = 0; n < files.size(); ++n) {
-    const fs::path file = run_folder / files[n].file;
-    KERF_CHECK(requireSha256(file, files[n].sha256, "cut again"));
     if (in_log[n] != files[n].sha256) return header.refuse("tool_sha256", in_log[n], files[n].sha256);
-    KERF_TRY(tool, readTool(file));
-    out.push_back(std::move(tool));
+    auto tool = readStoredTool(run_folder / files[n].file, files[n].sha256);
+    if (!tool && used.contains(n)) return fail(tool.error());
+    if (tool) whole = n;
+    if (!tool) damage = tool.error();
+    if (!tool) out.damaged_tools.insert(n);
+    out.tools.push_back(tool ? std::move(*tool) : Tool());
   }
-  return out;
+  if (damage && whole == files.size()) return fail(*damage);
+  for (const std::size_t n : out.damaged_tools) {
+    out.tools[n] = out.tools[whole];
+    out.tools[n].id = files[n].id;
+  }
+  return {};
 }
 
 }  // namespace
@@ -89,8 +122,7 @@ Expected<Recording> loadRecording(const fs::path& run_folder, const RunManifest&
   for (std::size_t n = 1; n <= out.cases.size(); ++n)
     KERF_CHECK(header.wants(neighbourKey(n), manifest.beside[n - 1].case_id));
   KERF_CHECK(header.wants(neighbourKey(out.cases.size() + 1), ""));
-  KERF_TRY(tools, readToolsOfLog(run_folder, manifest, out.log, header));
-  out.tools = std::move(tools);
+  KERF_CHECK(readToolsOfLog(run_folder, manifest, header, out));
 
   // What it was recorded with.
   out.cases.insert(out.cases.begin(), case_folder);

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -27,8 +28,9 @@ struct Recording {
   std::vector<std::filesystem::path> cases;  ///< the one that was cut, then those beside it
   std::optional<BrickField> begin;           ///< what an earlier run had cut, from which it went on
   std::vector<Tool> tools;
-  LoadedObjects objects;  ///< of `cases`
-  Model model;            ///< of the tools; restoreSettings() puts the log's numbers into it
+  std::set<std::size_t> damaged_tools;  ///< no stroke was cut with them: another one stands in the place of each
+  LoadedObjects objects;                ///< of `cases`
+  Model model;                          ///< of the tools; restoreSettings() puts the log's numbers into it
 };
 
 /// Errors: kUnsupported for a run that was cut geometry-only; kBadValue for a log of another run; those of the readers;

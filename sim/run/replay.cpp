@@ -84,6 +84,10 @@ Expected<Replay> internal::replayRun(const fs::path& run_folder, const RunManife
   auto out = replay(recording.log, recording.log_file.string(), std::move(recording.model),
                     std::move(recording.objects), progress, until_s, from_s, at_end);
   if (out && !manifest.is_open) compareEnd(recording.log, manifest, until_s, *out);
+  if (out)
+    for (const std::size_t n : recording.damaged_tools)
+      out->note += fmt::format("{}the file of tool {} is damaged; no stroke was cut with it",
+                               out->note.empty() ? "" : "; ", recording.tools[n].id);
   return out;
 }
 

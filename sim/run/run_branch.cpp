@@ -161,7 +161,7 @@ std::vector<SessionTool> toolsOf(const fs::path& run_folder, const Recording& re
   for (std::size_t n = 0; n < recording.tools.size(); ++n) {
     const bool is_session = recording.manifest.mode == kModeSession;
     const fs::path file = is_session ? fs::path(recording.manifest.tools[n].file) : fs::path(internal::kRunToolCopy);
-    out.push_back({run_folder / file, recording.tools[n]});
+    out.push_back({run_folder / file, recording.tools[n], recording.damaged_tools.contains(n)});
   }
   return out;
 }
@@ -186,13 +186,6 @@ Expected<std::vector<SessionNeighbour>> neighboursOf(const fs::path& run_folder,
   return out;
 }
 
-// Names and colours: of an ended session in pieces the manifest has them.
-PieceLabels labelsOf(const fs::path& run_folder, const RunManifest& manifest) {
-  PieceLabels out = readPieceLabels(run_folder);
-  for (const RunManifest::Piece& piece : manifest.pieces) out[piece.id] = {piece.name, piece.colour};
-  return out;
-}
-
 // Into a folder that exists. The manifest is written last, and is of a session that has ended: a folder that is left
 // half written is no run.
 Expected<RunManifest> writeBranch(const fs::path& run_folder, const Recording& recording, const SessionLog& log,
@@ -202,11 +195,11 @@ Expected<RunManifest> writeBranch(const fs::path& run_folder, const Recording& r
   KERF_TRY(fields, internal::fieldsBefore(run_folder, recording.manifest));
   KERF_TRY(out,
            internal::storeSession(folder, recording.cases.front(), in_case, toolsOf(run_folder, recording), beside));
+  for (const std::size_t n : recording.damaged_tools) out.tools[n].sha256 = recording.manifest.tools[n].sha256;
   out.begin_sha256 = recording.manifest.begin_sha256;
-  if (!out.begin_sha256.empty())
-    KERF_CHECK(internal::copyInto(run_folder / internal::kRunBegin, folder / internal::kRunBegin));
+  if (!out.begin_sha256.empty()) KERF_CHECK(copyFile(run_folder / internal::kRunBegin, folder / internal::kRunBegin));
 
-  const PieceLabels labels = labelsOf(run_folder, recording.manifest);
+  const PieceLabels labels = internal::labelsOf(run_folder, recording.manifest);
   if (!labels.empty()) KERF_CHECK(writePieceLabels(folder, labels));
   KERF_CHECK(writeLog(folder / internal::kRunLog, log, session));
   out.tool_id = internal::toolsInHand(log, out);

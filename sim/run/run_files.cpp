@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <variant>
 
 #include "geometry/base/hash.h"
+#include "geometry/base/text.h"
 #include "geometry/case/case_bundle.h"
 #include "geometry/case/case_materials.h"
 #include "geometry/field/distance_check.h"
@@ -52,6 +52,12 @@ Expected<void> ofRun(Expected<void> checked, const fs::path& file) {
   return checked;
 }
 
+Expected<void> requireField(const fs::path& run_folder, const RunManifest& manifest) {
+  const bool has_log = manifest.mode == kModeSession;
+  return requireSha256(run_folder / internal::kRunField, manifest.field_sha256,
+                       has_log ? "it can be rebuilt from the log: kerf recover " + run_folder.string() : "cut again");
+}
+
 // A grid of a run, whose numbers can be distances.
 Expected<BrickField> readGrid(const fs::path& file, const std::string& grid) {
   KERF_TRY(field, readVdb(file, grid));
@@ -61,13 +67,9 @@ Expected<BrickField> readGrid(const fs::path& file, const std::string& grid) {
 
 // Whether a run along a path says that it put material on its case.
 bool saysThatItAdded(const fs::path& run_folder, const RunManifest& manifest) {
-  constexpr std::uintmax_t kMostBytes = 64 << 20;  // a summary has some kB
-  const fs::path file = run_folder / internal::kRunSummary;
-  std::error_code failed;
-  if (manifest.mode != kModeHaptic || !fs::is_regular_file(file, failed)) return false;  // a pipe would never end
-  if (fs::file_size(file, failed) > kMostBytes) return false;
-  std::ifstream in(file, std::ios::binary);
-  const nlohmann::json summary = nlohmann::json::parse(in, nullptr, false);
+  if (manifest.mode != kModeHaptic) return false;
+  const auto text = readSmallFile(run_folder / internal::kRunSummary, internal::kMostSummaryBytes);
+  const nlohmann::json summary = nlohmann::json::parse(text.value_or(""), nullptr, false);
   if (!summary.is_object()) return false;
   const auto added = summary.find("added_mm3");
   return added != summary.end() && added->is_number() && added->get<double>() > 0;
@@ -158,7 +160,7 @@ Expected<std::vector<fs::path>> casesBesideRun(const fs::path& run_folder) {
 
 Expected<BrickField> readRunSweep(const fs::path& run_folder) {
   KERF_TRY(manifest, readRunManifest(run_folder));
-  KERF_CHECK(requireSha256(run_folder / internal::kRunField, manifest.field_sha256, "cut again"));
+  KERF_CHECK(requireField(run_folder, manifest));
   if (!manifest.hasSweep())
     return fail({.code = Error::Code::kUnsupported,
                  .file = run_folder.string(),
@@ -172,7 +174,7 @@ Expected<BrickField> readRunCutField(const fs::path& run_folder, std::size_t bes
   KERF_TRY(manifest, readRunManifest(run_folder));
   KERF_CHECK(requireEnded(run_folder, manifest));
   KERF_CHECK(internal::requireBeside(run_folder, manifest, beside));
-  KERF_CHECK(requireSha256(run_folder / internal::kRunField, manifest.field_sha256, "cut again"));
+  KERF_CHECK(requireField(run_folder, manifest));
   return readGrid(run_folder / internal::kRunField, beside == 0 ? "phi" : neighbourId(beside));
 }
 
@@ -190,7 +192,7 @@ Expected<MaterialBricks> readRunMaterials(const fs::path& run_folder) {
   KERF_TRY(manifest, readRunManifest(run_folder));
   KERF_CHECK(requireEnded(run_folder, manifest));
   const fs::path file = run_folder / internal::kRunField;
-  KERF_CHECK(requireSha256(file, manifest.field_sha256, "cut again"));
+  KERF_CHECK(requireField(run_folder, manifest));
   KERF_TRY(out, readMaterialBricks(file));
   if (out.isEmpty()) return out;
 

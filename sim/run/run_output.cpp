@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include "geometry/base/atomic_file.h"
 #include "geometry/base/hash.h"
+#include "geometry/base/text.h"
 #include "geometry/base/version.h"
 #include "sim/monitor/monitor.h"
 
@@ -11,42 +13,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What TOML can hold: well-formed UTF-8 (RFC 3629).
+// What TOML can hold.
 bool isText(const std::string& bytes) {
-  for (std::size_t i = 0; i < bytes.size();) {
-    const auto byte = [&](std::size_t at) { return at < bytes.size() ? static_cast<unsigned char>(bytes[at]) : 0u; };
-    const unsigned first = byte(i);
-    const std::size_t length = first < 0x80                    ? 1
-                               : first >= 0xc2 && first < 0xe0 ? 2
-                               : first >> 4 == 0xe             ? 3
-                               : first >= 0xf0 && first < 0xf5 ? 4
-                                                               : 0;
-    if (length == 0) return false;
-    for (std::size_t k = 1; k < length; ++k)
-      if (byte(i + k) >> 6 != 2) return false;
-    if ((first == 0xe0 && byte(i + 1) < 0xa0) || (first == 0xed && byte(i + 1) >= 0xa0) ||
-        (first == 0xf0 && byte(i + 1) < 0x90) || (first == 0xf4 && byte(i + 1) >= 0x90))
-      return false;
-    i += length;
-  }
-  return true;
+  std::size_t at = 0;
+  while (const std::size_t length = utf8Length(bytes, at)) at += length;
+  return at == bytes.size();
 }
 
 }  // namespace
 
 std::string neighbourKey(std::size_t beside) { return neighbourId(beside) + ".case_id"; }
-
-Expected<void> copyInto(const fs::path& from, const fs::path& to) {
-  std::error_code failed;
-  fs::copy_file(from, to, failed);
-  if (failed)
-    return fail({.code = Error::Code::kWriteFailed,
-                 .file = to.string(),
-                 .found = failed.message(),
-                 .expected = "a writable place with room",
-                 .hint = "free some space"});
-  return {};
-}
 
 Expected<void> requireAnother(const fs::path& from, const fs::path& run_folder) {
   std::error_code ignored;
@@ -60,7 +36,7 @@ Expected<void> requireAnother(const fs::path& from, const fs::path& run_folder) 
 
 Expected<std::string> storeBegin(const fs::path& from, const fs::path& run_folder) {
   KERF_TRY(before, readRunManifest(from));
-  KERF_CHECK(copyInto(from / kRunField, run_folder / kRunBegin));
+  KERF_CHECK(copyFile(from / kRunField, run_folder / kRunBegin));
   KERF_CHECK(requireSha256(run_folder / kRunBegin, before.field_sha256, "the run it goes on from is damaged"));
   return before.field_sha256;
 }
@@ -105,9 +81,9 @@ Expected<void> finishRun(const fs::path& staging, const Tool& tool, const fs::pa
   KERF_TRY(path_hash, sha256OfFile(path_file));
   m.tool_sha256 = tool_hash;
   m.path_sha256 = path_hash;
-  KERF_CHECK(copyInto(tool_file, staging / kRunToolCopy));
-  if (tool.mesh) KERF_CHECK(copyInto(tool.mesh_file, staging / tool.mesh_file.filename()));
-  KERF_CHECK(copyInto(path_file, staging / m.path_file));
+  KERF_CHECK(copyFile(tool_file, staging / kRunToolCopy));
+  if (tool.mesh) KERF_CHECK(copyFile(tool.mesh_file, staging / tool.mesh_file.filename()));
+  KERF_CHECK(copyFile(path_file, staging / m.path_file));
 
   KERF_TRY(field_hash, sha256OfFile(staging / kRunField));
   m.field_sha256 = field_hash;

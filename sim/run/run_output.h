@@ -16,6 +16,7 @@ inline constexpr const char* kRunBegin = "begin.vdb";
 inline constexpr const char* kRunLog = "session.kerflog";
 inline constexpr const char* kRunForces = "forces.csv";
 inline constexpr const char* kRunSummary = "summary.json";
+inline constexpr std::size_t kMostSummaryBytes = 1 << 20;  // one has some kB
 
 /// Key in the session log's header that names the id of the n-th case beside the one that was cut.
 std::string neighbourKey(std::size_t beside);
@@ -30,9 +31,6 @@ void addMotions(const CutPath& path, RunManifest& manifest);
 
 /// What was expected of a path that cut nothing: "a path through the box (...) to (...) mm".
 std::string throughBox(const Box3& box);
-
-/// Error kWriteFailed.
-Expected<void> copyInto(const std::filesystem::path& from, const std::filesystem::path& to);
 
 /// Error kBadValue: the new run is to take the place of the one it goes on from.
 Expected<void> requireAnother(const std::filesystem::path& from, const std::filesystem::path& run_folder);

@@ -56,18 +56,14 @@ tl::unexpected<Error> nothingCut(const fs::path& run_folder) {
 Expected<RunManifest::ToolFile> storeTool(const SessionTool& tool, std::size_t n, const fs::path& run_folder) {
   const std::string folder = fmt::format("{}/{:02}", kToolFolder, n + 1);
   RunManifest::ToolFile out{tool.tool.id, folder + "/" + tool.file.filename().string(), {}};
+  if (tool.is_damaged) return out;
   KERF_TRY(hash, sha256OfFile(tool.file));
   out.sha256 = hash;
   std::error_code failed;
   fs::create_directories(run_folder / folder, failed);
   if (failed) return cannotWrite(run_folder / folder, failed.message());
-  fs::copy_file(tool.file, run_folder / out.file, failed);
-  if (failed) return cannotWrite(run_folder / out.file, failed.message());
-  if (!tool.tool.mesh) return out;
-
-  const fs::path mesh = run_folder / folder / tool.tool.mesh_file.filename();
-  fs::copy_file(tool.tool.mesh_file, mesh, failed);
-  if (failed) return cannotWrite(mesh, failed.message());
+  KERF_CHECK(copyFile(tool.file, run_folder / out.file));
+  if (tool.tool.mesh) KERF_CHECK(copyFile(tool.tool.mesh_file, run_folder / folder / tool.tool.mesh_file.filename()));
   return out;
 }
 
@@ -186,6 +182,7 @@ Expected<OpenedRun> openSessionRun(const fs::path& run_folder, const fs::path& c
       KERF_TRY(hash, internal::storeBegin(from, run_folder));
       out.begin_sha256 = hash;
     }
+    KERF_CHECK(syncTree(run_folder));  // what the manifest names is on the disk before it
     KERF_CHECK(writeRunManifest(run_folder, out));
     return OpenedRun{std::move(out), std::move(lock)};
   }();
@@ -229,19 +226,14 @@ Expected<void> internal::writeEnd(const fs::path& run_folder, const Session& ses
   KERF_TRY(table, readDefaultMaterials());
   const MaterialBricks added = addedMaterials(objects, added_before, table);
 
-  // The field has its name only when it is whole.
-  const fs::path field = run_folder / internal::kRunField, fresh = run_folder / "run.new.vdb";
+  const fs::path field = run_folder / internal::kRunField;
   std::vector<NamedField> grids{{"phi", &changed}};
   for (std::size_t n = 0; n < others.fields.size(); ++n) grids.push_back({neighbourId(n + 1), &others.fields[n]});
-  KERF_CHECK(writeVdb(fresh, grids, {{"case_id", manifest.case_id}}, &added));
-  KERF_TRY(hash, sha256OfFile(fresh));
-  std::error_code failed;
-  fs::rename(fresh, field, failed);
-  if (failed) return cannotWrite(field, failed.message());
-
+  KERF_CHECK(writeVdb(field, grids, {{"case_id", manifest.case_id}}, &added));
+  KERF_TRY(hash, sha256OfFile(field));
   manifest.field_sha256 = hash;
-  // Rounding must not make a manifest that its reader refuses.
-  for (std::size_t n = 0; n < manifest.beside.size(); ++n)
+  // Rounding must not make a manifest that its reader refuses. One that has ended counts these already.
+  for (std::size_t n = 0; manifest.is_open && n < manifest.beside.size(); ++n)
     manifest.beside[n].removed_mm3 = std::max(manifest.beside[n].removed_mm3 + others.removed_mm3[n], 0.0);
   manifest.pieces = is_in_pieces ? internal::piecesOf(objects, fields, labels) : std::vector<RunManifest::Piece>{};
   manifest.duration_s = static_cast<double>(session.state().tick) * kTick;
@@ -287,6 +279,12 @@ PieceLabels readPieceLabels(const fs::path& run_folder) {
   return out;
 }
 
+PieceLabels internal::labelsOf(const fs::path& run_folder, const RunManifest& manifest) {
+  PieceLabels out = readPieceLabels(run_folder);
+  for (const RunManifest::Piece& piece : manifest.pieces) out[piece.id] = {piece.name, piece.colour};
+  return out;
+}
+
 // ---- After its program is gone
 
 std::string internal::toolsInHand(const SessionLog& log, const RunManifest& manifest) {
@@ -322,7 +320,9 @@ Expected<internal::FieldsBefore> internal::fieldsBefore(const fs::path& run_fold
 
 Expected<Recovery> recoverRun(const fs::path& run_folder, const Progress& progress) {
   KERF_TRY(manifest, readRunManifest(run_folder));
-  if (manifest.mode != kModeSession || !manifest.is_open)
+  const bool has_ended = !manifest.is_open;
+  const bool is_whole = has_ended && requireSha256(run_folder / internal::kRunField, manifest.field_sha256, "");
+  if (manifest.mode != kModeSession || is_whole)
     return fail({.code = Error::Code::kUnsupported,
                  .file = run_folder.string(),
                  .found = manifest.mode == kModeSession ? "a session that was ended" : "mode " + manifest.mode,
@@ -337,15 +337,27 @@ Expected<Recovery> recoverRun(const fs::path& run_folder, const Progress& progre
   Expected<void> ended;
   bool has_dropped = false;
   const auto end = [&](const Session& session, const SessionLog& log) {
-    manifest.tool_id = internal::toolsInHand(log, manifest);
     has_dropped = !droppedSteps(log).empty();
-    ended = endSessionRun(run_folder, session, manifest, readPieceLabels(run_folder), before.loaded(), before.beside);
+    if (has_ended && fmt::format("{:016x}", session.hash()) != manifest.state_hash) {
+      ended = fail({.code = Error::Code::kUnsupported,
+                    .file = (run_folder / internal::kRunField).string(),
+                    .found = "it is damaged, and the log leads to another state than run.toml names",
+                    .expected = "a whole log of this run",
+                    .hint = "take it from a copy"});
+      return;
+    }
+    manifest.tool_id = internal::toolsInHand(log, manifest);
+    ended = endSessionRun(run_folder, session, manifest, internal::labelsOf(run_folder, manifest), before.loaded(),
+                          before.beside);
   };
   KERF_TRY(replayed, internal::replayRun(run_folder, manifest, progress, end));
   if (!ended && ended.error().code == Error::Code::kEmpty && has_dropped)
     ended.error().hint =
         "what was taken back in it is in its log still: the window's session.recover keeps that as runs of its own";
   KERF_CHECK(ended);
+  if (has_ended)
+    replayed.note = fmt::format("{} was damaged: rebuilt from the log{}{}", internal::kRunField,
+                                replayed.note.empty() ? "" : "; ", replayed.note);
   out.manifest = std::move(manifest);
   out.replay = std::move(replayed);
   return out;

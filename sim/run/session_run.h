@@ -29,6 +29,7 @@ namespace kerf {
 struct SessionTool {
   std::filesystem::path file;
   Tool tool;
+  bool is_damaged = false;  ///< `file` is, in the run that it comes from: it is not copied
 };
 
 /// Held as long as a program works on a run folder. The system lets go of it when the program is gone, however.
@@ -101,8 +102,10 @@ struct Recovery {
   Replay replay;  ///< its note says what the log lacks
 };
 /// Ends a session whose program is gone, from its log: to the last whole record, at most a second before the end.
-/// Errors: kUnsupported for a run that is no session, has ended, or is open in another program; kEmpty when nothing
-/// is cut at its end, what was taken back is in its log: droppedSteps() in run_branch.h; those of replayRun().
+/// Of a session that has ended it writes a damaged run.vdb anew, if the log leads to the state that run.toml names.
+/// Errors: kUnsupported for a run that is no session, has ended and is whole, or is open in another program; kEmpty
+/// when nothing is cut at its end, what was taken back is in its log: droppedSteps() in run_branch.h; those of
+/// replayRun().
 /// @cost  as the session took, or less: about a quarter of it.
 Expected<Recovery> recoverRun(const std::filesystem::path& run_folder, const Progress& progress = {});
 
@@ -110,6 +113,9 @@ namespace internal {
 
 /// Ids of the tools that were in hand, in the order of their first use: RunManifest::tool_id.
 std::string toolsInHand(const SessionLog& log, const RunManifest& manifest);
+
+/// Names and colours: of an ended session in pieces the manifest has them.
+PieceLabels labelsOf(const std::filesystem::path& run_folder, const RunManifest& manifest);
 
 /// What endSessionRun() asks for of cases that an earlier run had cut: their fields, as they were before that.
 struct FieldsBefore {

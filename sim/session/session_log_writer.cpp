@@ -7,6 +7,7 @@
 #include <cstring>
 #include <limits>
 
+#include "geometry/base/atomic_file.h"
 #include "sim/session/session_format.h"
 #include "sim/session/session_log.h"
 
@@ -41,15 +42,6 @@ void append(std::vector<std::byte>& to, std::uint32_t value) {
   append(to, bytes);
 }
 
-// 0, or why the name of a new file may not survive a power failure.
-int syncFolder(const fs::path& folder) {
-  const int fd = ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (fd < 0) return errno;
-  const int reason = ::fsync(fd) != 0 && errno != EINVAL ? errno : 0;  // EINVAL: this file system has no such thing
-  ::close(fd);
-  return reason;
-}
-
 }  // namespace
 
 Expected<SessionLogWriter> SessionLogWriter::create(const fs::path& path, const SessionHeader& header) {
@@ -81,7 +73,7 @@ Expected<SessionLogWriter> SessionLogWriter::create(const fs::path& path, const 
 
   KERF_CHECK(log.write());
   KERF_CHECK(log.sync());
-  if (const int reason = syncFolder(path.parent_path())) return log.failed("syncing its folder to the disk", reason);
+  KERF_CHECK(syncFolder(path.parent_path()));
   return log;
 }
 

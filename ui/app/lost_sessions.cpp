@@ -18,7 +18,10 @@ std::vector<LostSession> findLostSessions(const fs::path& data) {
   std::error_code failed;
   for (const fs::directory_entry& entry : fs::directory_iterator(data / "sessions", failed)) {
     const auto manifest = readRunManifest(entry.path());
-    if (!manifest || !manifest->is_open || !RunLock::take(entry.path())) continue;
+    std::error_code none;
+    const bool lacks_field =
+        manifest && manifest->mode == kModeSession && (fs::file_size(entry.path() / "run.vdb", none) == 0 || none);
+    if (!manifest || !(manifest->is_open || lacks_field) || !RunLock::take(entry.path())) continue;
     out.push_back({entry.path(), fs::path(manifest->case_path).stem().string()});
   }
 

@@ -13,7 +13,7 @@
 
 namespace kerf {
 
-/// A session whose program is gone: recoverRun() finishes it.
+/// A session whose program is gone, or whose field was lost with the power: recoverRun() finishes it.
 struct LostSession {
   std::filesystem::path folder;
   std::string case_name;

@@ -27,12 +27,12 @@ int list(const RecoverArguments& a) {
     return kOk;
   }
   for (const LostSession& session : lost)
-    fmt::print("{}  {:.1f} MB, case {}\n", session.folder.string(), 1e-6 * static_cast<double>(bytesOf(session)),
-               session.case_name);
+    printText("{}  {:.1f} MB, case {}\n", session.folder.string(), 1e-6 * static_cast<double>(bytesOf(session)),
+              session.case_name);
   if (lost.empty())
-    fmt::print("no session whose program is gone in {}\n", (userDataFolder() / "sessions").string());
+    printText("no session whose program is gone in {}\n", (userDataFolder() / "sessions").string());
   else
-    fmt::print("kerf recover RUN finishes one, kerf recover RUN --discard deletes it\n");
+    printText("kerf recover RUN finishes one, kerf recover RUN --discard deletes it\n");
   return kOk;
 }
 
@@ -41,7 +41,7 @@ int discard(const RecoverArguments& a) {
   if (a.json)
     printJson(nlohmann::json{{"run", a.run}, {"discarded", true}});
   else
-    fmt::print("deleted: {}\n", a.run);
+    printText("deleted: {}\n", a.run);
   return kOk;
 }
 
@@ -67,12 +67,12 @@ int runRecover(const RecoverArguments& a) {
                              {"is_same", r.is_same},
                              {"note", r.note}});
   } else {
-    fmt::print("recovered {:.3f} s with {}; removed {:.4f} mm3; state {}\n", recovered->manifest.duration_s,
-               recovered->manifest.tool_id, r.removed_mm3, recovered->manifest.state_hash);
-    if (!r.note.empty()) fmt::print("{}\n", r.note);
+    printText("recovered {:.3f} s with {}; removed {:.4f} mm3; state {}\n", recovered->manifest.duration_s,
+              recovered->manifest.tool_id, r.removed_mm3, recovered->manifest.state_hash);
+    if (!r.note.empty()) printText("{}\n", r.note);
     if (!r.is_same && r.checks > 0)
-      fmt::print("DIFFERS from what was recorded, from tick {} on: look at it before you use it\n", r.differs_at);
-    fmt::print("run written: {}\n", a.run);
+      printText("DIFFERS from what was recorded, from tick {} on: look at it before you use it\n", r.differs_at);
+    printText("run written: {}\n", a.run);
   }
   return r.is_same || r.checks == 0 ? kOk : kFailed;
 }
@@ -84,7 +84,8 @@ void addRecover(CLI::App& command, int& exit_code) {
   command.footer(
       "The session was cut by hand in the window or by kerf live, and its program was killed or the power failed. What "
       "was done is in the log, to a second before the end at most; this does it again and writes the rest of the "
-      "run. Without RUN the sessions of the window that wait for it are listed. A cut along a path that was killed "
+      "run. A damaged run.vdb of a session that has ended is rebuilt from its log. Without RUN the sessions of the "
+      "window that wait for it are listed. A cut along a path that was killed "
       "leaves nothing: the same command gives the same run.\nExit code 0: done; 1: it could not be done, or the state "
       "differs from what was recorded.\nExamples:\n  kerf recover\n  kerf recover "
       "~/.local/share/kerf/sessions/molar-1.run");
