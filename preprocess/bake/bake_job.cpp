@@ -181,7 +181,11 @@ Expected<void> writeCase(const BakeObject& object, const BakedGrids& grids, cons
   KERF_CHECK(writeCaseManifest(folder, manifest));
 
   if (!report(job.progress, 0.95, "syncing")) return cancelledBeforeWriting();
-  KERF_CHECK(staging.commit());
+  if (const auto committed = staging.commit(); !committed) {
+    // Another program baked the same meanwhile.
+    if (job.options.overwrite || !existing(staging.target(), manifest.id)) return fail(committed.error());
+    job.report.was_up_to_date = true;
+  }
   job.report.times.write += job.watch.lap();
   report(job.progress, 1.0, "done");
   return {};

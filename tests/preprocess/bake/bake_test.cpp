@@ -229,6 +229,30 @@ TEST(Bake, WhereVerticesAreLostTogetherIsSaidFirst) {
   EXPECT_EQ(describe(report).find("together"), std::string::npos) << describe(report);
 }
 
+// Three windows open one scan: who comes last finds the case that it would have written.
+TEST(Bake, ACaseThatAnotherProgramWroteMeanwhileIsTakenIfItIsTheSame) {
+  const TemporaryFolder folder;
+  const fs::path mesh = folder.path() / "ball.stl", out = folder.path() / "ball.case";
+  ASSERT_TRUE(writeMesh(mesh, ballMesh({1, 2, 3}, 4, 30)));
+  for (const double voxel : {0.2, 0.25}) {
+    BakeOptions other = coarse();
+    other.voxelize.voxel_mm = voxel;
+    fs::remove_all(out);
+    bool is_baked = false;
+    const auto last = bake({mesh}, out, coarse(), [&](double done, std::string_view) {
+      if (done >= 0.95 && !is_baked) EXPECT_TRUE(is_baked = bake({mesh}, out, other).has_value());
+      return true;
+    });
+    EXPECT_TRUE(is_baked);
+    ASSERT_EQ(last.has_value(), voxel == 0.2) << voxel;
+    if (last)
+      EXPECT_EQ(last->manifest.id, readCaseManifest(out)->id);
+    else
+      EXPECT_NE(last.error().found.find("another program"), std::string::npos) << last.error().message();
+    EXPECT_EQ(readCaseManifest(out)->voxel_mm, voxel);
+  }
+}
+
 TEST(Bake, AnExistingCaseIsReplacedOnlyWhenAsked) {
   const TemporaryFolder folder;
   const fs::path mesh = folder.path() / "ball.stl", out = folder.path() / "x.case";
