@@ -83,7 +83,8 @@ class KerfLink {
       const auto size = ::recv(socket_, &next, sizeof next, MSG_DONTWAIT | MSG_TRUNC);
       if (size < 0 && errno == ECONNREFUSED) continue;  // of an earlier say(): Kerf does not listen
       if (size < 0) break;
-      if (size != sizeof next || !next.isGood() || !isNewer(next)) continue;
+      if (size != sizeof next || !next.isGood() || next.hand_time_ns > static_cast<std::uint64_t>(now)) continue;
+      if (!isNewer(next)) continue;
       newest_ = next;
       heard_ns_ = now;
     }
@@ -116,10 +117,10 @@ class KerfLink {
   };
   static_assert(sizeof(HandFrame) == 152 && sizeof(ForceFrame) == 88 && std::endian::native == std::endian::little);
 
-  // A Kerf that was started again counts from 1.
+  // By the hand that it answers: a Kerf that was started again counts from 1.
   bool isNewer(const ForceFrame& frame) const {
-    constexpr std::int64_t kSilent = 1'000'000'000;  // ns
-    return frame.number > newest_.number || clockNow() - heard_ns_ > kSilent;
+    if (frame.hand_time_ns != newest_.hand_time_ns) return frame.hand_time_ns > newest_.hand_time_ns;
+    return frame.number > newest_.number;
   }
 
   int socket_ = -1;

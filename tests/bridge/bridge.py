@@ -28,6 +28,11 @@ class Device:
         self.z += dt * self.speed
 
 
+def order_of(frame):
+    """By the hand that it answers: a Kerf that was started again counts from 1."""
+    return frame[5], frame[3]
+
+
 def newest_force(link, before):
     """The newest force frame that waits, None if there is none; malformed and older ones are left out."""
     found = None
@@ -39,9 +44,9 @@ def newest_force(link, before):
         if len(data) != FORCE.size:
             continue
         frame = FORCE.unpack(data)
-        if frame[:3] != (b"KFD1", 1, 2) or frame[3] <= before:
+        if frame[:3] != (b"KFD1", 1, 2) or order_of(frame) <= before:
             continue
-        before, found = frame[3], frame
+        before, found = order_of(frame), frame
 
 
 def main():
@@ -51,13 +56,13 @@ def main():
     link.setblocking(False)
 
     device = Device()
-    force, enabled, deadline, heard, number = 0.0, False, 0.0, 0.0, 0
+    force, enabled, deadline, heard, newest = 0.0, False, 0.0, 0.0, (0, 0)
     frames, most, stops = 0, 0.0, 0
     began = due = time.monotonic()
     last = began
     while (now := time.monotonic()) - began < seconds:
-        if frame := newest_force(link, number):
-            number, force, enabled, deadline, heard = frame[3], frame[8], frame[12] == 1, frame[13] / 1000, now
+        if frame := newest_force(link, newest):
+            newest, force, enabled, deadline, heard = order_of(frame), frame[8], frame[12] == 1, frame[13] / 1000, now
             frames += 1
         if enabled and now - heard > deadline:  # the dead-man
             enabled = False

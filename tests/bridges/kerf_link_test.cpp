@@ -106,10 +106,29 @@ TEST_F(BridgeLink, WhatIsOldNotEnabledOrMalformedGivesNoForce) {
   answer(nan);
   answer(pushed(), kForceFrameSize - 1);
   EXPECT_EQ(link_.force(), kNone);
-  ForceFrame older = pushed();
-  older.number = 1;
+  ForceFrame older = pushed(), newest = pushed();
+  newest.is_enabled = false;
+  answer(newest);
   answer(older);
   EXPECT_EQ(link_.force(), kNone) << "a newer one took the force away";
+}
+
+TEST_F(BridgeLink, AKerfThatCountsFromOneAgainIsFeltAtOnce) {
+  bool was_felt = false;
+  for (int n = 0; n < 50 && !was_felt; ++n) {
+    number_ = 1'000'000;
+    answer(pushed());
+    (void)link_.force();
+    number_ = 0;
+    answer(pushed());
+    was_felt = link_.force() == kUp;
+    ForceFrame taken = pushed();
+    taken.is_enabled = false;
+    taken.number = 1;
+    answer(taken);
+    EXPECT_EQ(link_.force(), kNone);
+  }
+  EXPECT_TRUE(was_felt);
 }
 
 }  // namespace

@@ -51,7 +51,9 @@ static int newest_force(int link, ForceFrame* newest) {
     if (size != (ssize_t)sizeof frame) continue;
     memcpy(&frame, bytes, sizeof frame);
     if (memcmp(frame.magic, "KFD1", 4) != 0 || frame.version != 1 || frame.kind != 2) continue;
-    if (frame.number <= newest->number) continue;
+    /* By the hand that it answers: a Kerf that was started again counts from 1. */
+    if (frame.hand_time_ns < newest->hand_time_ns) continue;
+    if (frame.hand_time_ns == newest->hand_time_ns && frame.number <= newest->number) continue;
     *newest = frame;
     found = 1;
   }
