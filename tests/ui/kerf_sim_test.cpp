@@ -108,6 +108,19 @@ TEST_F(KerfSim, AFilmShowsTheCutGrowAndIsTheSameTwice) {
   EXPECT_NE(films[0].front(), films[0].back());
 }
 
+TEST_F(KerfSim, SigtermToAScriptThatBakesLeavesNothingHalfWritten) {
+  const fs::path molar = folder_ / "molar.stl", script = folder_ / "wait.txt", data = folder_ / "data";
+  ASSERT_EQ(shell(fmt::format("'{}/kerf' demo-molar --edge 0.1 -o '{}'", KERF_BIN_DIR, molar.string())).status, 0);
+  std::ofstream(script) << "wait\n";
+  const Outcome done = shell(fmt::format(
+      "timeout --preserve-status -s TERM 3 env -u DISPLAY -u WAYLAND_DISPLAY {} '{}' --data '{}' --script '{}'",
+      kProgram, molar.string(), data.string(), script.string()));
+  if (done.text.find("no way to draw") != std::string::npos) GTEST_SKIP() << done.text;
+  ASSERT_EQ(done.status, 128 + 15) << "it was done before the signal? " << done.text;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(data))
+    EXPECT_NE(entry.path().filename().string().front(), '.') << entry.path();
+}
+
 TEST_F(KerfSim, TheFirstOfSeveralFilesIsWorkedOnTheOthersStandBeside) {
   const fs::path other = folder_ / "other.off", script = folder_ / "script.ks", data = folder_ / "data";
   std::ofstream(other) << "OFF\n4 4 0\n5 0 0\n8 0.2 0.1\n5.7 4 -0.3\n5.4 1.1 6\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n";

@@ -13,6 +13,7 @@
 #include <numbers>
 #include <thread>
 
+#include "geometry/base/text.h"
 #include "sim/run/watched_run.h"
 #include "ui/app/arm_lead.h"
 #include "ui/app/command_words.h"
@@ -27,9 +28,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void frameOf(const std::function<void()>& frame) {
+// False: the program is to end.
+bool goesOn(const AppContext& c, const std::function<void()>& frame) {
   frame();
   std::this_thread::sleep_for(std::chrono::milliseconds(16));
+  return !c.wants_quit;
 }
 
 // A pause or a jump that is on its way; what is played goes on.
@@ -41,10 +44,12 @@ bool isReplayBusy(const AppContext& c) {
 // Of the session that is watched; to its end at most.
 Expected<void> waitForReplay(AppContext& c, double seconds, const std::function<void()>& frame) {
   const std::size_t until = c.bench.watched()->moment().sample + static_cast<std::size_t>(seconds / kTick);
-  do frameOf(frame);
-  while (isReplayBusy(c));  // what was asked for last is on its way
-  while (c.bench.isPlaying() && c.bench.watched()->moment().sample < until) frameOf(frame);
-  while (isReplayBusy(c)) frameOf(frame);
+  while (goesOn(c, frame) && isReplayBusy(c)) {
+  }  // what was asked for last is on its way
+  while (c.bench.isPlaying() && c.bench.watched()->moment().sample < until && goesOn(c, frame)) {
+  }
+  while (isReplayBusy(c) && goesOn(c, frame)) {
+  }
   return {};
 }
 
@@ -52,7 +57,8 @@ Expected<void> waitForReplay(AppContext& c, double seconds, const std::function<
 Expected<void> waitForDevice(AppContext& c, AppWords words, const std::function<void()>& frame) {
   KERF_TRY(seconds, numberOr(words, 1, 10, "SECONDS", 0, 36000));
   const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
-  while (!c.bench.isLed() && std::chrono::steady_clock::now() < until) frameOf(frame);
+  while (!c.bench.isLed() && std::chrono::steady_clock::now() < until && goesOn(c, frame)) {
+  }
   if (c.bench.isLed()) return {};
   return wrongWord(fmt::format("no device that leads the tool after {:g} s", seconds), "one",
                    c.bench.arm().view().missing);
@@ -69,10 +75,10 @@ int stageOfDevice(const AppContext& c) {
 
 Expected<void> wait(AppContext& c, AppWords words, const std::function<void()>& frame) {
   if (words.empty()) {
-    do frameOf(frame);
-    while (c.bench.job() || isReplayBusy(c) || isPreviewing(c) || c.bench.saw().isCutting() ||
-           c.bench.tissues().isBusy() || c.bench.exporting().isBusy() ||
-           (c.bench.isShown() && c.bench.scene().triangleCount() == 0));
+    while (goesOn(c, frame) && (c.bench.job() || isReplayBusy(c) || isPreviewing(c) || c.bench.saw().isCutting() ||
+                                c.bench.tissues().isBusy() || c.bench.exporting().isBusy() ||
+                                (c.bench.isShown() && c.bench.scene().triangleCount() == 0))) {
+    }
     if (c.bench.watched()) frame();  // takes the chunks that were meshed since the last look
     return {};
   }
@@ -82,7 +88,8 @@ Expected<void> wait(AppContext& c, AppWords words, const std::function<void()>& 
   if (!c.bench.isOpen()) return wrongWord("nothing is open", "a session whose clock runs");
   frame();
   const auto until = c.bench.report().tick + static_cast<std::uint64_t>(seconds / kTick);
-  while (c.bench.isOpen() && c.bench.report().tick < until) frameOf(frame);
+  while (c.bench.isOpen() && c.bench.report().tick < until && goesOn(c, frame)) {
+  }
   return {};
 }
 
@@ -170,7 +177,7 @@ void printState(const AppContext& c) {
     j["near_beside"] = near->name;
     j["near_beside_mm"] = near->distance_mm;
   }
-  fmt::print("{}\n", j.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+  printText("{}\n", printableJson(j, -1));
   std::fflush(stdout);
 }
 

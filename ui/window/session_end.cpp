@@ -1,9 +1,21 @@
 #include "ui/window/session_end.h"
 
 #include <chrono>
+#include <csignal>
 #include <thread>
 
 namespace kerf {
+namespace {
+
+volatile std::sig_atomic_t told_to_end = 0;
+
+}  // namespace
+
+void endWhenTold() {
+  for (const int number : {SIGTERM, SIGINT, SIGHUP}) std::signal(number, [](int signal) { told_to_end = signal; });
+}
+
+int toldToEnd() { return told_to_end; }
 
 Expected<void> endAll(Workbench& bench, LiveView& view) {
   const std::size_t seen = bench.notices().size();

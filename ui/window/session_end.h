@@ -7,6 +7,11 @@
 
 namespace kerf {
 
+/// From here on SIGTERM, SIGINT and SIGHUP end the program in good order: what was cut is written first.
+void endWhenTold();
+/// The signal that came; 0: none.
+int toldToEnd();
+
 /// What was cut or is being exported is written; what is being opened is cancelled. Waits for both.
 /// @return  the first error of that.
 Expected<void> endAll(Workbench& bench, LiveView& view);

@@ -10,7 +10,6 @@
 
 #include <chrono>
 #include <cmath>
-#include <csignal>
 #include <cstdlib>
 #include <numbers>
 #include <optional>
@@ -18,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "geometry/base/text.h"
 #include "ui/app/app_commands.h"
 #include "ui/app/arm_lead.h"
 #include "ui/app/game_controller.h"
@@ -54,14 +54,6 @@ using Clock = std::chrono::steady_clock;
 constexpr double kStillAfter = 0.2;  // s without input or cut: the picture is drawn once more, smooth
 constexpr double kHarder = 2;        // times the force, while Shift is down
 constexpr double kNotch = 0.1;       // mm of depth, of the wheel during a stroke
-
-// ---- The system wants it to end: what was cut is written first
-
-volatile std::sig_atomic_t is_told_to_end = 0;
-
-void endWhenTold() {
-  for (const int number : {SIGTERM, SIGINT, SIGHUP}) std::signal(number, [](int) { is_told_to_end = 1; });
-}
 
 // ---- The loop
 
@@ -183,7 +175,7 @@ class Workshop {
   void printNotices() {
     if (!options_.tells) return;
     for (const auto& notices = bench_.notices(); told_ < notices.size(); ++told_)
-      fmt::print(stderr, "kerf-sim: {}: {}\n", notices[told_].is_error ? "error" : "note", notices[told_].text);
+      printText(stderr, "kerf-sim: {}: {}\n", notices[told_].is_error ? "error" : "note", notices[told_].text);
   }
 
   // The button of the window's frame asks as the command does; the system does not.
@@ -192,7 +184,7 @@ class Workshop {
       glfwSetWindowShouldClose(desktop_.window(), GLFW_FALSE);
       say(runAppCommand(context_, "app.quit"));
     }
-    wants_end_ = context_.wants_quit || is_told_to_end;
+    wants_end_ = context_.wants_quit || toldToEnd() != 0;
   }
 
   // From the first session on. Without a device all is silent, and that is said once.

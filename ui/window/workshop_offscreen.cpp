@@ -2,12 +2,14 @@
 #include <epoxy/gl.h>
 #include <fmt/format.h>
 
+#include <csignal>
 #include <cstdlib>
 #include <functional>
 #include <optional>
 #include <thread>
 #include <utility>
 
+#include "geometry/base/text.h"
 #include "ui/app/app_commands.h"
 #include "ui/app/app_script.h"
 #include "ui/app/settings.h"
@@ -52,6 +54,7 @@ Expected<void> runOffscreen(const WorkshopOptions& options, const Play& play) {
   if (options.is_watched) screen.emplace(options.width, options.height);
   FrameWatch watch;
   const auto frame = [&] {
+    context.wants_quit |= toldToEnd() != 0;
     watch.begin(bench);
     shown.update(bench);
     if (!bench.scene().bounds().isEmpty() && shown.takeFitWanted()) firstView(context, first);
@@ -71,10 +74,10 @@ Expected<void> runOffscreen(const WorkshopOptions& options, const Play& play) {
   auto played = play(context, frame);
   const auto ended = endAll(bench, *view);
   view.reset();
-  if (screen) fmt::print("{}\n", watch.summary());
+  if (screen) printText("{}\n", watch.summary());
   screen.reset();
   for (const Notice& notice : bench.notices())
-    if (!notice.is_error) fmt::print("{}\n", notice.text);
+    if (!notice.is_error) printText("{}\n", notice.text);
   if (!played) return fail(std::move(played).error());
   if (!ended) return fail(ended.error());
   return {};
@@ -83,8 +86,14 @@ Expected<void> runOffscreen(const WorkshopOptions& options, const Play& play) {
 }  // namespace
 
 Expected<void> runWorkshopScript(const fs::path& script, const WorkshopOptions& options) {
-  return runOffscreen(options,
-                      [&](AppContext& context, const auto& frame) { return runScript(context, script, frame); });
+  endWhenTold();
+  auto done =
+      runOffscreen(options, [&](AppContext& context, const auto& frame) { return runScript(context, script, frame); });
+  if (const int number = toldToEnd()) {  // it was put off, not swallowed
+    std::signal(number, SIG_DFL);
+    std::raise(number);
+  }
+  return done;
 }
 
 Expected<std::size_t> runWorkshopFilm(const FilmOptions& film, const WorkshopOptions& options) {
