@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "geometry/base/atomic_file.h"
+#include "geometry/base/available_memory.h"
 #include "geometry/base/toml_reader.h"
 #include "geometry/field/sample_field.h"
 #include "geometry/field/vdb_io.h"
@@ -83,14 +84,13 @@ int printRack(const ToolArguments& a) {
       tools.push_back(nlohmann::json::parse(toJson(*listing.tool)));
       tools.back()["file"] = listing.file.string();
     } else {
-      if (shown++ == 0)
-        fmt::print("{:<22} {:<14} {:<14}  {:<15}  {}\n", "id", "shape", "D x L, mm", "ISO 6360", "name");
-      fmt::print("{}\n", line);
+      if (shown++ == 0) printText("{:<22} {:<14} {:<14}  {:<15}  {}\n", "id", "shape", "D x L, mm", "ISO 6360", "name");
+      printText("{}\n", line);
     }
   }
 
   if (a.json) printJson(tools);
-  if (!a.json && shown == 0) fmt::print("No tool mentions that; kerf tool list shows all.\n");
+  if (!a.json && shown == 0) printText("No tool mentions that; kerf tool list shows all.\n");
   return all_read ? kOk : kFailed;
 }
 
@@ -113,14 +113,14 @@ Expected<Tool> toolNamed(const std::string& name) {
 }
 
 void printDoubt(const Tool& tool) {
-  if (const std::string doubt = doubtAbout(tool); !doubt.empty()) fmt::print("  CHECK THIS: {}\n", doubt);
+  if (const std::string doubt = doubtAbout(tool); !doubt.empty()) printText("  CHECK THIS: {}\n", doubt);
 }
 
 int info(const ToolArguments& a) {
   const auto tool = toolNamed(a.tool);
   if (!tool) return complain(tool.error());
   if (!a.json) {
-    fmt::print("{}\n  drive: {}\n", describe(*tool), describeDrive(*tool));
+    printText("{}\n  drive: {}\n", describe(*tool), describeDrive(*tool));
     printDoubt(*tool);
     return kOk;
   }
@@ -148,22 +148,22 @@ std::string verdict(const ToolCheck& c) {
 }
 
 void printHead() {
-  fmt::print("{:<22} {:>8} {:>9} {:>13} {:>13} {:>8}\n", "id", "deep, mm", "voxel, mm", "removed, mm3", "expected, mm3",
-             "error, %");
+  printText("{:<22} {:>8} {:>9} {:>13} {:>13} {:>8}\n", "id", "deep, mm", "voxel, mm", "removed, mm3", "expected, mm3",
+            "error, %");
 }
 
 void printRow(const Tool& tool, const ToolCheck& c) {
-  fmt::print("{:<22} {:>8.3g} {:>9.3g} {:>13.5f} {:>13.5f} {:>+8.3f}  {}\n", tool.id, c.depth_mm, c.voxel_mm,
-             c.removed_mm3, c.expected_mm3, c.errorPercent(), verdict(c));
+  printText("{:<22} {:>8.3g} {:>9.3g} {:>13.5f} {:>13.5f} {:>+8.3f}  {}\n", tool.id, c.depth_mm, c.voxel_mm,
+            c.removed_mm3, c.expected_mm3, c.errorPercent(), verdict(c));
   printDoubt(tool);
 }
 
 void printTool(const Tool& tool, const ToolCheck& c) {
   const std::string block =
       c.block_width_mm > 0 ? fmt::format(" through {:.3g} mm of the blade", c.block_width_mm) : std::string();
-  fmt::print("{}\n", describe(tool));
-  fmt::print("  {:.3g} mm deep{}, voxel {:.3g} mm: removed {:.5f} mm3, by its numbers {:.5f} mm3, {:+.3f} %: {}\n",
-             c.depth_mm, block, c.voxel_mm, c.removed_mm3, c.expected_mm3, c.errorPercent(), verdict(c));
+  printText("{}\n", describe(tool));
+  printText("  {:.3g} mm deep{}, voxel {:.3g} mm: removed {:.5f} mm3, by its numbers {:.5f} mm3, {:+.3f} %: {}\n",
+            c.depth_mm, block, c.voxel_mm, c.removed_mm3, c.expected_mm3, c.errorPercent(), verdict(c));
   printDoubt(tool);
 }
 
@@ -218,30 +218,46 @@ int check(const ToolArguments& a) {
   if (a.json)
     printJson(results);
   else if (is_table)
-    fmt::print("{} of {} tools pass.\n", passed, files->size());
+    printText("{} of {} tools pass.\n", passed, files->size());
   return passed == files->size() ? kOk : kFailed;
 }
 
-Expected<void> copyInto(const fs::path& from, const fs::path& to, const std::string& output) {
-  std::error_code failed;
-  fs::copy_file(from, to, failed);
-  if (!failed) return {};
-  return fail({.code = Error::Code::kWriteFailed,
-               .file = output,
-               .found = failed.message(),
-               .expected = "a writable place with room"});
+// What its bricks take while they are written: sampled, and once more as OpenVDB's leaves.
+Expected<void> requireMemory(const Tool& tool, double voxel, const Progress& progress) {
+  constexpr std::uint64_t kBrickBytes = 5000;
+  const std::uint64_t most = internal::availableMemory() / 5 * 4;
+  std::size_t left = static_cast<std::size_t>(most / kBrickBytes);
+  for (const ToolShape* shape : {tool.cut.get(), tool.body.get()})
+    if (shape)
+      left -= std::min(left, countSampledBricks([&](const Vec3d& p) { return shape->distance(p); }, shape->bounds(),
+                                                voxel, left, progress));
+  if (left > 0) return {};
+  return fail(
+      {.code = Error::Code::kUnsupported,
+       .file = tool.id,
+       .place = "--voxel",
+       .found = fmt::format("{:.3g} mm: more than {:.1f} GB of bricks", voxel, 1e-9 * static_cast<double>(most)),
+       .expected = "a field that fits into the free memory",
+       .hint = fmt::format("--voxel {:.2g}", std::min(2 * voxel, 1.0))});
 }
 
 Expected<void> write(const ToolArguments& a, const fs::path& file, const Tool& tool, double voxel) {
+  TerminalProgress terminal;
+  bool is_cancelled = false;
+  const Progress progress = [&is_cancelled, show = terminal.callback()](double done, std::string_view what) {
+    return is_cancelled ? false : !(is_cancelled = !show(done, what));
+  };
+  KERF_CHECK(requireMemory(tool, voxel, progress));
   KERF_TRY(folder, AtomicFolder::create(a.output, a.overwrite, kToolCopy));
-  KERF_CHECK(copyInto(file, folder.staging() / kToolCopy, a.output));
-  if (tool.mesh) KERF_CHECK(copyInto(tool.mesh_file, folder.staging() / tool.mesh_file.filename(), a.output));
+  KERF_CHECK(copyFile(file, folder.staging() / kToolCopy));
+  if (tool.mesh) KERF_CHECK(copyFile(tool.mesh_file, folder.staging() / tool.mesh_file.filename()));
 
   const auto sampled = [&](const ToolShape& shape) {
-    return sampleDistance([&](const Vec3d& p) { return shape.distance(p); }, shape.bounds(), voxel);
+    return sampleDistance([&](const Vec3d& p) { return shape.distance(p); }, shape.bounds(), voxel, 4, progress);
   };
   const BrickField cut = sampled(*tool.cut);
   const BrickField body = tool.body ? sampled(*tool.body) : BrickField();
+  if (!report(progress, 1, "writing")) return cancelledBeforeWriting();
   std::vector<NamedField> fields{{"cut", &cut}};
   if (tool.body) fields.push_back({"body", &body});
   KERF_CHECK(writeVdb(folder.staging() / "tool.vdb", fields, {{"tool_id", tool.id}}));
@@ -261,9 +277,8 @@ int bake(const ToolArguments& a) {
                      .found = fmt::format("{} mm", voxel),
                      .expected = "0.005 to 1 mm"});
 
-  const TerminalProgress guard;  // Ctrl-C waits until the staging folder is gone
   if (const auto written = write(a, *file, *tool, voxel); !written) return complain(written.error());
-  fmt::print("{} baked at {:.3g} mm voxels: {}\n", tool->id, voxel, a.output);
+  printText("{} baked at {:.3g} mm voxels: {}\n", tool->id, voxel, a.output);
   return kOk;
 }
 
@@ -276,7 +291,7 @@ int draw(const ToolArguments& a) {
   if (!svg) return complain(svg.error());
   svg->stream() << toolDrawing(*tool);
   if (const auto written = svg->commit(); !written) return complain(written.error());
-  fmt::print("drawn: {}\n", output.string());
+  printText("drawn: {}\n", output.string());
   return kOk;
 }
 
@@ -341,7 +356,7 @@ int makeNew(const ToolArguments& a) {
   if (!toml) return complain(toml.error());
   toml->stream() << *text;
   if (const auto written = toml->commit(); !written) return complain(written.error());
-  fmt::print("written: {0}\nedit it, then: kerf tool check {0}\n", output.string());
+  printText("written: {0}\nedit it, then: kerf tool check {0}\n", output.string());
   return kOk;
 }
 
