@@ -5,10 +5,10 @@
 
 #include <algorithm>
 #include <charconv>
-#include <fstream>
 #include <iterator>
 
 #include "geometry/base/atomic_file.h"
+#include "geometry/base/text.h"
 
 namespace kerf {
 namespace {
@@ -132,23 +132,10 @@ Expected<DeviceRecording> parseRecording(std::string_view text, const std::strin
 }
 
 Expected<DeviceRecording> readRecording(const std::filesystem::path& file) {
-  std::error_code error;
-  const auto size = std::filesystem::file_size(file, error);
-  if (error)
-    return fail({.code = Error::Code::kNotFound,
-                 .file = file.string(),
-                 .found = error.message(),
-                 .expected = "a recording of a device",
-                 .hint = "make one with kerf devices --record"});
-  if (size > DeviceRecording::kLargestFile)
-    return fail({.code = Error::Code::kBadFormat,
-                 .file = file.string(),
-                 .found = fmt::format("{} MB", size >> 20),
-                 .expected = fmt::format("a recording of at most {} MB", DeviceRecording::kLargestFile >> 20)});
-  std::ifstream in(file, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
-  if (!in && !in.eof()) return fail({.code = Error::Code::kUnreadable, .file = file.string(), .found = "no text"});
-  return parseRecording(text, file.string());
+  auto text = readSmallFile(file, DeviceRecording::kLargestFile);
+  if (text) return parseRecording(*text, file.string());
+  text.error().hint = "make one with kerf devices --record";
+  return fail(std::move(text).error());
 }
 
 Expected<void> writeRecording(const std::filesystem::path& file, const DeviceRecording& recording) {

@@ -6,11 +6,12 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <numbers>
+#include <sstream>
 #include <string>
 #include <string_view>
 
+#include "geometry/base/text.h"
 #include "geometry/base/toml_reader.h"
 
 namespace kerf {
@@ -122,16 +123,13 @@ class PoseTable {
 };
 
 Expected<CutPath> readCsv(const fs::path& file) {
-  std::error_code ignored;
-  std::ifstream in;
-  if (fs::is_regular_file(file, ignored)) in.open(file, std::ios::binary);  // not a folder, pipe or device
-  if (!in.is_open()) {
-    const bool exists = fs::exists(file, ignored);
-    return fail({.code = exists ? Error::Code::kUnreadable : Error::Code::kNotFound,
-                 .file = file.string(),
-                 .found = exists ? "can not be read" : "no such file",
-                 .expected = "a CSV of poses"});
+  constexpr std::size_t kMostBytes = 256 << 20;
+  auto content = readSmallFile(file, kMostBytes);
+  if (!content) {
+    content.error().expected = "a CSV of poses";
+    return fail(std::move(content).error());
   }
+  std::istringstream in(std::move(*content));
 
   PoseTable table(file);
   std::string text;

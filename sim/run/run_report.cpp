@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "geometry/base/hash.h"
+#include "geometry/base/text.h"
 #include "geometry/case/case_bundle.h"
 #include "geometry/case/case_materials.h"
 #include "geometry/field/material.h"
@@ -147,8 +147,8 @@ class Summary {
 RunReport::FirstTime firstTime(double at_s) { return at_s < 0 ? RunReport::FirstTime{} : RunReport::FirstTime{at_s}; }
 
 Expected<void> takeSummary(const fs::path& file, RunReport& out) {
-  std::ifstream in(file, std::ios::binary);
-  const json j = json::parse(in, nullptr, false);
+  KERF_TRY(text, readSmallFile(file, internal::kMostSummaryBytes));
+  const json j = json::parse(text, nullptr, false);
   if (!j.is_object()) return fail(damagedSummary(file, "", "no JSON object", "the summary that kerf cut wrote"));
   Summary s(j, file);
 

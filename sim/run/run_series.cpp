@@ -40,9 +40,12 @@ std::vector<std::string_view> fieldsOf(std::string_view line) {
 std::optional<double> numberIn(std::string_view text) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return {};
+  constexpr double kMost = 1e9;  // of no column of a run more: rows are kept as float, and drawn
+  if (error != std::errc() || end != text.data() + text.size() || !(std::abs(value) <= kMost)) return {};
   return value;
 }
+
+constexpr double kMostSeconds = 1e6;  // eleven days; a cut takes one at most
 
 // Where the columns of a table stand that the series needs.
 struct Columns {
@@ -72,6 +75,8 @@ class ForcesFile {
       if (line_number_ % 4096 == 0 && !report(progress, std::min(1.0, done / size), "reading forces"))
         return cancelled();
       KERF_CHECK(readRow(line, row));
+      if (row[columns.t] < 0 || row[columns.t] > kMostSeconds)
+        return wrong(fmt::format("t_s {}", row[columns.t]), fmt::format("0 to {:g} s", kMostSeconds));
       add(columns, row, out);
     }
     if (out.size() == 0) return wrong("no row", "one row a tick");
@@ -133,7 +138,7 @@ class ForcesFile {
       return wrong(fmt::format("{} values", words.size()), fmt::format("{}, as in the header", row.size()));
     for (std::size_t n = 0; n < words.size(); ++n) {
       const auto value = numberIn(words[n]);
-      if (!value) return wrong(fmt::format("\"{}\"", words[n]), "a number");
+      if (!value) return wrong(fmt::format("\"{}\"", words[n]), "a number of at most 1e9");
       row[n] = *value;
     }
     return {};

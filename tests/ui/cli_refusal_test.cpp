@@ -479,6 +479,90 @@ TEST_F(Cli, TomlFilesOfManyMegabytesAreRefusedBeforeTheyAreParsed) {
   refuses({"tool", "check", at("big.toml")}, {"big.toml", "more than 16 MB"});
 }
 
+// Names of a stranger's files must not reach the terminal as they are.
+TEST_F(Cli, NoOutputHoldsCommandsToTheTerminal) {
+  const std::string commands = "\x1b]0;x\x07\xc2\x9b2J\x7f";
+  const auto isClean = [](const std::string& text) {
+    return text.find_first_of("\x1b\x07\x7f\x9b\r") == text.npos && text.find("x1b") != text.npos;
+  };
+  ASSERT_EQ(runKerf({"tool", "new", "odd", "--shape", "round", "-o", at("odd.toml")}).exit_code, 0);
+  std::string tool = contentOf(at("odd.toml"));
+  const std::size_t name = tool.find("\nname = \"") + 9;
+  folder_.write("odd.toml", tool.insert(name, "\\u001b]0;x\\u0007\\u009b2J\\u007f"));
+  const Outcome info = runKerf({"tool", "info", at("odd.toml")});
+  EXPECT_TRUE(info.exit_code == 0 && isClean(info.out)) << info.out << info.err;
+  const Outcome json = runKerf({"tool", "info", at("odd.toml"), "--json"});
+  EXPECT_EQ(json.out.find_first_of("\x1b\x07\x7f\x9b\r"), json.out.npos) << json.out;
+  EXPECT_NE(json.out.find("\\u009b"), json.out.npos) << json.out;
+
+  const fs::path file = folder_.path() / ("box" + commands + ".off");
+  fs::copy_file(at("box.off"), file);
+  const Outcome read = runKerf({"check", file});
+  EXPECT_TRUE(isClean(read.out + read.err)) << read.out << read.err;
+  const Outcome refused = runKerf({"info", at("none" + commands)});
+  EXPECT_TRUE(refused.exit_code == 1 && isClean(refused.err)) << refused.err;
+  const Outcome misspelt = runKerf({"info", "--none" + commands});
+  EXPECT_TRUE(misspelt.exit_code == 2 && isClean(misspelt.err)) << misspelt.err;
+}
+
+TEST_F(Cli, FilesOfARunThatNoKerfWroteAreRefusedSoon) {
+  makeCase();
+  folder_.write("down.csv", "t,x,y,z,qw,qx,qy,qz\n0,0,0,0.2,1,0,0,0\n0.1,0,0,0.1,1,0,0,0\n");
+  ASSERT_EQ(runKerf({"cut", at("box.case"), "--tool", "round-014", "--path", at("down.csv"), "-o", at("hand.run"),
+                     "--hand", "feed"})
+                .exit_code,
+            0);
+  std::ofstream(in("hand.run") / "summary.json") << std::string(12 << 20, '[');
+  refuses({"info", at("hand.run")}, {"summary.json"});
+
+  std::string table = contentOf(in("hand.run") / "forces.csv");
+  const std::size_t row = table.find('\n') + 1;
+  for (const char* time : {"1e300", "-1", "1e8"}) {
+    std::string other = table;
+    other.replace(row, table.find(',', row) - row, time);
+    std::ofstream(in("hand.run") / "forces.csv") << other;
+    const Outcome plot = runKerf({"plot", at("hand.run"), "-o", at("x.svg")});
+    EXPECT_EQ(plot.exit_code, 1) << time;
+    EXPECT_NE(plot.err.find("line 2"), plot.err.npos) << plot.err;
+    EXPECT_LT(plot.most_memory_mb, 200);
+  }
+}
+
+// Some of its files have no end, others wait for who writes into them.
+TEST_F(Cli, AFolderOfTheSystemIsRefused) {
+  for (const char* command : {"info", "check"}) refuses({command, "/proc"}, {"/proc"});
+  refuses({"bake", "/proc", "-o", at("x.case")}, {"/proc"});
+}
+
+TEST_F(Cli, AToolThatDoesNotFitIntoMemoryIsRefusedBeforeItIsBaked) {
+  ASSERT_EQ(runKerf({"tool", "new", "wide", "--shape", "spin", "-o", at("wide.toml")}).exit_code, 0);
+  std::string tool = contentOf(at("wide.toml"));
+  const auto set = [&](const std::string& key, const std::string& value) {
+    const std::size_t at = tool.find("\n" + key + " = ") + 1;
+    ASSERT_NE(at, 0u) << key << tool;
+    tool.replace(at, tool.find('\n', at) - at, key + " = " + value);
+  };
+  set("diameter", "100");
+  set("thickness", "0.2");
+  folder_.write("wide.toml", tool);
+  refuses({"tool", "bake", at("wide.toml"), "-o", at("x.tool"), "--voxel", "0.005"}, {"--voxel", "GB"});
+}
+
+TEST_F(Cli, AToolThatIsBakedStopsSoonAndLeavesNothing) {
+  const auto before = snapshot(folder_.path());
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    RunOptions options;
+    options.signal = signal;
+    options.signal_after = 1;
+    const Outcome o = runKerf({"tool", "bake", "round-023", "-o", at("x.tool"), "--voxel", "0.005"}, options);
+    EXPECT_GT(o.seconds_after_signal, 0) << "it was done before the signal";
+    EXPECT_LT(o.seconds_after_signal, 5);
+    EXPECT_NE(o.exit_code, 0);
+    EXPECT_FALSE(fs::exists(at("x.tool")));
+    if (o.exit_code == 1) EXPECT_TRUE(snapshot(folder_.path()) == before) << o.err;
+  }
+}
+
 TEST_F(Cli, OverwriteIsTheNameAndForceTheOldOne) {
   makeRun();
   const std::vector<std::string> cut{"cut",    at("box.case"),   "--tool", "round-014",

@@ -1,7 +1,9 @@
 #include "ui/app/user_files.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
+#include <chrono>
 #include <cstdlib>
 
 #include "tests/support/temporary_folder.h"
@@ -67,6 +69,26 @@ TEST(RecentFiles, OnlyTheLastDozenIsKept) {
   for (int n = 0; n < 20; ++n) ASSERT_TRUE(files.add("/scan-" + std::to_string(n)));
   ASSERT_EQ(files.list().size(), RecentFiles::kMost);
   EXPECT_EQ(files.list()[0].path, "/scan-19");
+}
+
+// A window reads it before its first frame.
+TEST(RecentFiles, AListThatIsNoSmallFileIsAnEmptyOneAndIsReplaced) {
+  const TemporaryFolder folder;
+  const fs::path list = folder.path() / "recent.txt";
+  const std::function<void()> kinds[] = {
+      [&] { ASSERT_EQ(::mkfifo(list.c_str(), 0600), 0); },
+      [&] { fs::create_symlink("/dev/zero", list); },
+      [&] { fs::resize_file(folder.write("recent.txt", ""), std::uintmax_t{16} << 30); },
+      [&] { folder.write("recent.txt", "/" + std::string(50 << 20, 'x')); },
+  };
+  for (const auto& make : kinds) {
+    make();
+    const auto began = std::chrono::steady_clock::now();
+    const RecentFiles files(folder.path());
+    EXPECT_TRUE(files.list().empty());
+    EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(1));
+    fs::remove(list);
+  }
 }
 
 TEST(SettingsFile, ComesBackAsItWasSaved) {

@@ -8,10 +8,12 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "geometry/base/text.h"
 #include "geometry/base/toml_reader.h"
 
 namespace kerf {
@@ -160,6 +162,17 @@ nlohmann::json errorJson(const Error& error, const std::string& message) {
   return {{"error", std::move(out)}};
 }
 
+std::string printableJson(const nlohmann::json& json, int indent) {
+  std::string out;
+  for (const char c : json.dump(indent, ' ', false, nlohmann::json::error_handler_t::replace)) {
+    const auto byte = static_cast<unsigned char>(c);
+    const bool is_c1 = out.ends_with('\xc2') && byte < 0xa0;
+    if (is_c1) out.pop_back();
+    out += is_c1 || byte == 0x7f ? fmt::format("\\u{:04x}", byte) : std::string(1, c);
+  }
+  return out;
+}
+
 void requireFiniteNumbers(CLI::App& app) {
   // CLI11 keeps of an option's type only what --help says of it: "FLOAT", or "F:FLOAT in [0.001 - 1000]".
   for (CLI::Option* option : app.get_options([](const CLI::Option*) { return true; }))
@@ -179,16 +192,19 @@ std::optional<ExitCode> parseCommandLine(CLI::App& app, int argc, const char* co
     if (isAboutExtras(e, command)) {
       error = aboutExtras(command);
       message = error.message();
-      fmt::print(stderr, "{}: {}\n", app.get_name(), message);
+      printText(stderr, "{}: {}\n", app.get_name(), message);
     } else if (const auto number = aboutNumber(e, command)) {
       error = *number;
       message = error.message();
-      fmt::print(stderr, "{}: {}\n", app.get_name(), message);
-    } else if (app.exit(e); is_answer) {
-      return kOk;
+      printText(stderr, "{}: {}\n", app.get_name(), message);
+    } else {
+      std::ostringstream out, err;
+      app.exit(e, out, err);
+      printText("{}", out.str());
+      printText(stderr, "{}", err.str());
+      if (is_answer) return kOk;
     }
-    if (asksForJson(command, argc, argv))
-      fmt::print("{}\n", errorJson(error, message).dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+    if (asksForJson(command, argc, argv)) printText("{}\n", printableJson(errorJson(error, message)));
     return kUsage;
   }
   return std::nullopt;

@@ -21,6 +21,10 @@ enum ExitCode : int {
 /// {"error": {"code": ..., "message": ..., ...}}, with the fields that the error has: how both programs answer --json.
 nlohmann::json errorJson(const Error& error, const std::string& message);
 
+/// As both programs print JSON: what is no UTF-8 becomes replacement characters, all control characters are escaped.
+/// @param indent  -1: on one line.
+std::string printableJson(const nlohmann::json& json, int indent = 2);
+
 /// Makes every option that takes numbers refuse those that are not finite, in all commands: CLI::Range and the like let
 /// "nan" pass. To be called when all options are declared; --help stays as it is.
 void requireFiniteNumbers(CLI::App& app);

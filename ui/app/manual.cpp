@@ -3,10 +3,11 @@
 #include <fmt/format.h>
 
 #include <cstdio>
-#include <fstream>
 #include <string_view>
 #include <system_error>
 
+#include "geometry/base/atomic_file.h"
+#include "geometry/base/text.h"
 #include "geometry/base/version.h"
 
 namespace kerf {
@@ -238,15 +239,9 @@ Expected<void> writeManual(const std::vector<ManualFile>& files, const fs::path&
     std::error_code failed;
     fs::create_directories(path.parent_path(), failed);
 
-    std::ofstream out(path, std::ios::binary);
-    out << file.text << std::flush;
-    if (!out)
-      return fail({.code = Error::Code::kWriteFailed,
-                   .file = path.string(),
-                   .place = {},
-                   .found = "could not be written",
-                   .expected = {},
-                   .hint = "see whether the disk is full and the folder may be written to"});
+    KERF_TRY(out, AtomicFile::create(path));
+    out.stream() << file.text;
+    KERF_CHECK(out.commit());
   }
   return {};
 }
@@ -258,7 +253,7 @@ bool isManualRequest(int argc, const char* const* argv) {
 int answerManualRequest(const CLI::App& app, const char* folder) {
   const Expected<void> written = writeManual(manualOf(app, std::string("Kerf ") + kVersion), folder);
   if (written) return 0;
-  std::fprintf(stderr, "%s: %s\n", app.get_name().c_str(), written.error().message().c_str());
+  printText(stderr, "{}: {}\n", app.get_name(), printable(written.error().message()));
   return 1;
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstdio>
 
+#include "geometry/base/text.h"
 #include "ui/app/command_words.h"
 #include "ui/app/point_readout.h"
 #include "ui/app/pointing.h"
@@ -19,7 +20,7 @@ Expected<PointReadout> pointed(const AppContext& c, AppWords words) {
 }
 void putOut(const AppContext& c, const std::string& text) {
   if (c.set_clipboard) return c.set_clipboard(text);
-  fmt::print("{}\n", text);
+  printText("{}\n", text);
   std::fflush(stdout);
 }
 

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <iterator>
 #include <ostream>
 #include <sstream>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include "geometry/base/atomic_file.h"
+#include "geometry/base/text.h"
 #include "geometry/base/toml_reader.h"
 #include "ui/app/camera.h"
 #include "ui/app/user_files.h"
@@ -149,7 +149,7 @@ bool settingsAreThere(const fs::path& path) {
 }
 
 std::vector<std::string> linesOf(const fs::path& path) {
-  std::ifstream in(path);
+  std::istringstream in(readSmallFile(path, 16 << 20).value_or(""));
   std::vector<std::string> out;
   for (std::string line; std::getline(in, line);) out.push_back(line);
   return out;

@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <fstream>
 #include <ostream>
 #include <span>
+#include <sstream>
 #include <utility>
 
 #include "geometry/base/atomic_file.h"
 #include "geometry/base/hash.h"
+#include "geometry/base/text.h"
 
 namespace kerf {
 namespace {
@@ -41,7 +42,7 @@ RecentFiles::RecentFiles(fs::path folder) : folder_(std::move(folder)) { read();
 
 void RecentFiles::read() {
   list_.clear();
-  std::ifstream in(folder_ / "recent.txt");
+  std::istringstream in(readSmallFile(folder_ / "recent.txt", kMost << 13).value_or(""));  // two paths a line
   for (std::string line; std::getline(in, line) && list_.size() < kMost;)
     if (line.starts_with('/')) list_.push_back({line, isThere(line)});
 }

@@ -250,7 +250,7 @@ int runPair(const BakeArguments& a, const std::vector<std::filesystem::path>& pa
 
   nlohmann::json all;
   for (std::size_t k = 0; k < 2; ++k) {
-    if (!a.json) fmt::print("{}case written: {}\n", describe((*reports)[k]), (*folders)[k].string());
+    if (!a.json) printText("{}case written: {}\n", describe((*reports)[k]), (*folders)[k].string());
     all["pair"].push_back(bakeJson((*reports)[k]));
     all["pair"].back()["case"] = (*folders)[k].string();
   }
@@ -307,7 +307,7 @@ int runOne(const BakeArguments& a, const std::vector<std::filesystem::path>& pat
   if (a.json)
     printJson(bakeJson(*report));
   else
-    fmt::print("{}{}: {}\n", describe(*report), report->was_up_to_date ? "up to date" : "case written", a.output);
+    printText("{}{}: {}\n", describe(*report), report->was_up_to_date ? "up to date" : "case written", a.output);
   return kOk;
 }
 

@@ -32,10 +32,10 @@ Expected<MeshFile> read(const CheckArguments& a, const std::string& name) {
   if (!a.unit.empty()) {
     for (Vec3d& p : file->mesh.vertices) p *= unit.scale_to_mm;
   } else if (unit.scale_to_mm != 1) {
-    fmt::print(stderr, "kerf: {}: CHECK THE UNIT: judged as if it were in mm; it seems to be in {}: {}\n", name,
-               unit.unit, unit.reason);
+    printText(stderr, "kerf: {}: CHECK THE UNIT: judged as if it were in mm; it seems to be in {}: {}\n", name,
+              unit.unit, unit.reason);
   }
-  if (unit.is_doubtful) fmt::print(stderr, "kerf: {}: CHECK THE UNIT: {}\n", name, unit.reason);
+  if (unit.is_doubtful) printText(stderr, "kerf: {}: CHECK THE UNIT: {}\n", name, unit.reason);
   return file;
 }
 
@@ -44,7 +44,7 @@ int checkOne(const CheckArguments& a) {
   const auto file = read(a, a.meshes.front());
   if (!file) return complain(file.error());
   const MeshReport report = checkMesh(file->mesh);
-  fmt::print("{}", a.json ? toJson(report) + "\n" : describe(report));
+  printText("{}", a.json ? toJson(report) + "\n" : describe(report));
   return report.print_ready ? kOk : kFailed;
 }
 
@@ -64,7 +64,7 @@ int runAll(const CheckArguments& a) {
     }
     const MeshReport report = checkMesh(file->mesh);
     ready += report.print_ready;
-    if (!a.json) fmt::print("{}: {}\n", name, describe(report));
+    if (!a.json) printText("{}: {}\n", name, describe(report));
     json row = json::parse(toJson(report));
     row["file"] = name;
     rows.push_back(std::move(row));
@@ -72,7 +72,7 @@ int runAll(const CheckArguments& a) {
   if (a.json)
     printJson(rows);
   else
-    fmt::print("{} of {} ready to print\n", ready, a.meshes.size());
+    printText("{} of {} ready to print\n", ready, a.meshes.size());
   return ready == a.meshes.size() ? kOk : std::max<int>(code, kFailed);
 }
 

@@ -104,7 +104,7 @@ std::vector<std::string> warningsOf(const RunManifest& m) {
 }
 
 void tell(const std::vector<std::string>& warnings) {
-  for (const std::string& warning : warnings) fmt::print(stderr, "kerf: WARNING: {}\n", warning);
+  for (const std::string& warning : warnings) printText(stderr, "kerf: WARNING: {}\n", warning);
 }
 
 // ---- Against resistance
@@ -121,13 +121,13 @@ void warnOfNeighbours(const CutArguments& a, const HapticSummary& s) {
     const std::string in = is_in ? fmt::format(", cutting part in it by {:.3f} mm", -least->second) : "";
 
     if (other.removed_mm3 > 0)
-      fmt::print(stderr, "kerf: {} was cut: {:.4f} mm3{}. Its mesh: kerf export {} --beside {} -o FILE\n", name,
-                 other.removed_mm3, in, a.output, n + 1);
+      printText(stderr, "kerf: {} was cut: {:.4f} mm3{}. Its mesh: kerf export {} --beside {} -o FILE\n", name,
+                other.removed_mm3, in, a.output, n + 1);
     else if (other.seconds_touched > 0 || is_in)
-      fmt::print(stderr, "kerf: {} was touched for {:.3f} s, nothing cut off it{}\n", name, other.seconds_touched, in);
+      printText(stderr, "kerf: {} was touched for {:.3f} s, nothing cut off it{}\n", name, other.seconds_touched, in);
     if (other.overlap_mm3 > 0.01 * std::min(other.initial_mm3, s.initial_mm3))
-      fmt::print(stderr, "kerf: {} overlaps the case by about {:.1f} mm3 as loaded: there the tool meets both\n", name,
-                 other.overlap_mm3);
+      printText(stderr, "kerf: {} overlaps the case by about {:.1f} mm3 as loaded: there the tool meets both\n", name,
+                other.overlap_mm3);
   }
 }
 
@@ -158,66 +158,66 @@ std::string byMaterial(const std::map<std::string, double>& volumes, bool with_s
 
 void printVolumes(const HapticSummary& s, bool is_adding) {
   if (is_adding) {
-    fmt::print("added {:.4f} mm3{}\n", s.added_mm3, byMaterial(s.added_by_material, true));
+    printText("added {:.4f} mm3{}\n", s.added_mm3, byMaterial(s.added_by_material, true));
     if (s.clipped > 0)
-      fmt::print(
+      printText(
           "{} of {} ticks reached farther than {:g} mm from the object's box, or more air than fits: nothing was added "
           "there\n",
           s.clipped, s.ticks, kAirAround);
   }
-  fmt::print("removed {:.4f} mm3{}; {:.4f} of {:.4f} mm3 are left, in {}", s.removed_mm3,
-             byMaterial(s.removed_by_material, false), s.remaining_mm3, s.initial_mm3, counted(s.pieces, "piece"));
-  if (s.crumbs > 0) fmt::print(" and {} below 0.1 mm3", counted(s.crumbs, "crumb"));
-  fmt::print("\n");
+  printText("removed {:.4f} mm3{}; {:.4f} of {:.4f} mm3 are left, in {}", s.removed_mm3,
+            byMaterial(s.removed_by_material, false), s.remaining_mm3, s.initial_mm3, counted(s.pieces, "piece"));
+  if (s.crumbs > 0) printText(" and {} below 0.1 mm3", counted(s.crumbs, "crumb"));
+  printText("\n");
 }
 
 // Against what the path asks for.
 void printPlan(const HapticSummary& s) {
   if (!(s.planned_mm3 > 0)) return;
   const Vec3d& at = s.farthest_off_at;
-  fmt::print("reached {:.0f} % of the {:.4f} mm3 that the path asks for{}\n", 100 * s.reached_mm3 / s.planned_mm3,
-             s.planned_mm3, byMaterial(s.planned_by_material, false));
-  fmt::print("{:.4f} mm3 removed beside that; off the path by {:.2f} mm at most, at ({:.2f}, {:.2f}, {:.2f})\n",
-             std::max(0.0, s.removed_mm3 - s.reached_mm3), s.farthest_off_mm, at[0], at[1], at[2]);
+  printText("reached {:.0f} % of the {:.4f} mm3 that the path asks for{}\n", 100 * s.reached_mm3 / s.planned_mm3,
+            s.planned_mm3, byMaterial(s.planned_by_material, false));
+  printText("{:.4f} mm3 removed beside that; off the path by {:.2f} mm at most, at ({:.2f}, {:.2f}, {:.2f})\n",
+            std::max(0.0, s.removed_mm3 - s.reached_mm3), s.farthest_off_mm, at[0], at[1], at[2]);
 }
 
 void printMonitored(const HapticSummary& s) {
-  fmt::print("{:.1f} C under the tool at most", s.hottest_c);
-  if (s.bone_limit_s >= 0) fmt::print(", 47 C in bone passed at {:.2f} s", s.bone_limit_s);
-  if (s.pulp_limit_s >= 0) fmt::print(", 5.5 K in the pulp passed at {:.2f} s", s.pulp_limit_s);
+  printText("{:.1f} C under the tool at most", s.hottest_c);
+  if (s.bone_limit_s >= 0) printText(", 47 C in bone passed at {:.2f} s", s.bone_limit_s);
+  if (s.pulp_limit_s >= 0) printText(", 5.5 K in the pulp passed at {:.2f} s", s.pulp_limit_s);
   for (const auto& [id, distance] : s.least_distance_mm) {
     const char* in = id.starts_with("beside") ? "touched, tool in it by" : "opened, tool in it by";
-    fmt::print("; {} {} {:.2f} mm", id, distance < 0 ? in : "no nearer than", std::abs(distance));
+    printText("; {} {} {:.2f} mm", id, distance < 0 ? in : "no nearer than", std::abs(distance));
   }
-  fmt::print("\n");
+  printText("\n");
 }
 
 void printCut(const CutArguments& a, const HapticCut& cut) {
   const HapticSummary& s = cut.summary;
   const bool is_default = findResponse(a.response)->response == StepSettings{}.response;
   const std::string response = is_default ? "" : " by " + a.response;
-  fmt::print("cut with {} held by a {} hand{} for {:.2f} s, {:.2f} s of it in contact, voxels {} mm; ended: {}\n",
-             cut.manifest.tool_id, a.hand, response, s.seconds, s.seconds_in_contact, cut.manifest.voxel_mm, s.ended);
-  if (!s.coupling_text.empty()) fmt::print("the device can hold a coupling of {}\n", s.coupling_text);
+  printText("cut with {} held by a {} hand{} for {:.2f} s, {:.2f} s of it in contact, voxels {} mm; ended: {}\n",
+            cut.manifest.tool_id, a.hand, response, s.seconds, s.seconds_in_contact, cut.manifest.voxel_mm, s.ended);
+  if (!s.coupling_text.empty()) printText("the device can hold a coupling of {}\n", s.coupling_text);
   printVolumes(s, !a.haptic.add.empty());
   printPlan(s);
-  fmt::print("force on the tool {:.2f} N mean, {:.2f} N at most; normal load {:.2f} N; to the hand {:.2f} N at most\n",
-             s.mean_contact_force, s.peak_contact_force, s.mean_normal_load, s.peak_hand_force);
-  fmt::print("drive {:.1f} mJ into the tissue, speed down to {:.0f} % of nominal", s.work, 100 * s.least_speed);
+  printText("force on the tool {:.2f} N mean, {:.2f} N at most; normal load {:.2f} N; to the hand {:.2f} N at most\n",
+            s.mean_contact_force, s.peak_contact_force, s.mean_normal_load, s.peak_hand_force);
+  printText("drive {:.1f} mJ into the tissue, speed down to {:.0f} % of nominal", s.work, 100 * s.least_speed);
   if (s.stalled_s > 0.05)
-    fmt::print("; it stood still for {:.2f} s: too {} for this drive{}", s.stalled_s,
-               a.hand == "feed" ? "fast a feed" : "heavy a hand",
-               a.haptic.spindle < 1 ? fmt::format(" at {:g} of its speed", a.haptic.spindle) : "");
-  fmt::print("\n");
+    printText("; it stood still for {:.2f} s: too {} for this drive{}", s.stalled_s,
+              a.hand == "feed" ? "fast a feed" : "heavy a hand",
+              a.haptic.spindle < 1 ? fmt::format(" at {:g} of its speed", a.haptic.spindle) : "");
+  printText("\n");
   printMonitored(s);
 
   if (s.too_fast > 0)
-    fmt::print("{} of {} ticks were too fast for one contact evaluation a voxel: a slower feed feels more\n",
-               s.too_fast, s.ticks);
+    printText("{} of {} ticks were too fast for one contact evaluation a voxel: a slower feed feels more\n", s.too_fast,
+              s.ticks);
   if (s.out_of_bricks > 0)
-    fmt::print("{} of {} ticks ran out of reserved bricks: what was not cut then was cut later, or not at all\n",
-               s.out_of_bricks, s.ticks);
-  fmt::print("state {}\nrun written: {}\n", s.state_hash, a.output);
+    printText("{} of {} ticks ran out of reserved bricks: what was not cut then was cut later, or not at all\n",
+              s.out_of_bricks, s.ticks);
+  printText("state {}\nrun written: {}\n", s.state_hash, a.output);
 }
 
 // Warns of a tool that is hardly meant, and of one that is too thin for the voxels. A hand cuts on the object's own.
@@ -225,13 +225,13 @@ void warnOfTool(const CutArguments& a, const std::filesystem::path& tool_file, d
   const auto tool = readTool(tool_file);
   if (!tool) return;
   if (const std::string doubt = doubtAbout(*tool); !doubt.empty())
-    fmt::print(stderr, "kerf: WARNING: {}: {}\n", tool->id, doubt);
+    printText(stderr, "kerf: WARNING: {}: {}\n", tool->id, doubt);
   const bool is_pushed = !a.hand.empty() && a.hand != "feed" && a.haptic.add.empty();  // what is added is not felt
   const Held held = is_pushed ? Held::kByHand : Held::kOnPath;
   if (const auto coarse = tooCoarseFor(*tool, voxel_mm, held))
-    fmt::print(stderr, "kerf: WARNING: {}. Bake with --voxel {:.2g} or finer{}\n", coarse->what, coarse->finer_mm,
-               a.hand.empty() ? ", or for the mesh alone with --fine-along the path" : "");
-  if (is_unchanged) fmt::print(stderr, "kerf: WARNING: nothing was changed\n");
+    printText(stderr, "kerf: WARNING: {}. Bake with --voxel {:.2g} or finer{}\n", coarse->what, coarse->finer_mm,
+              a.hand.empty() ? ", or for the mesh alone with --fine-along the path" : "");
+  if (is_unchanged) printText(stderr, "kerf: WARNING: nothing was changed\n");
 }
 
 // Only the law of penalty holds a tool by its core.
@@ -239,20 +239,20 @@ void warnOfResponse(const CutArguments& a, const std::filesystem::path& tool_fil
   if (a.response == "penalty" || !a.haptic.add.empty()) return;
   const auto tool = readTool(tool_file);
   if (tool && isPointed(*tool))
-    fmt::print(stderr,
-               "kerf: WARNING: by {} a point as thin as that of {} may go through tissue without cutting it. Leave "
-               "--response out\n",
-               a.response, tool->id);
+    printText(stderr,
+              "kerf: WARNING: by {} a point as thin as that of {} may go through tissue without cutting it. Leave "
+              "--response out\n",
+              a.response, tool->id);
 }
 
 // A feed is a machine's: it goes on whatever is left standing. Of a path that was not finished that says nothing.
 void warnOfFeed(const CutArguments& a, const HapticSummary& s) {
   constexpr double kEnough = 0.9;  // of the plan
   if (a.hand == "feed" && s.is_complete && s.reached_mm3 < kEnough * s.planned_mm3)
-    fmt::print(stderr,
-               "kerf: WARNING: fed faster than it can cut: {:.0f} % of what the path asks for are gone, the tool went "
-               "through the rest. Neither forces nor volumes are to be trusted: --hand force, or a slower feed\n",
-               100 * s.reached_mm3 / s.planned_mm3);
+    printText(stderr,
+              "kerf: WARNING: fed faster than it can cut: {:.0f} % of what the path asks for are gone, the tool went "
+              "through the rest. Neither forces nor volumes are to be trusted: --hand force, or a slower feed\n",
+              100 * s.reached_mm3 / s.planned_mm3);
 }
 
 constexpr double kUnchanged = 1e-6;  // mm^3
@@ -266,12 +266,12 @@ void tell(const PathFindings& found, bool is_adding) {
       named += fmt::format("{}{}", n ? ", " : "", found.idle[n]);
     const std::string more =
         found.idle.size() > kMostNamed ? fmt::format(" and {} more", found.idle.size() - kMostNamed) : std::string();
-    fmt::print(stderr, "kerf: stroke{} {}{} of {} {} nothing\n", found.idle.size() == 1 ? "" : "s", named, more,
-               found.strokes, is_adding ? "added" : "removed");
+    printText(stderr, "kerf: stroke{} {}{} of {} {} nothing\n", found.idle.size() == 1 ? "" : "s", named, more,
+              found.strokes, is_adding ? "added" : "removed");
   }
   if (const auto& at = found.comes_out_at)
-    fmt::print(stderr, "kerf: the tip comes out of the object on the far side, at ({:.2f}, {:.2f}, {:.2f}) mm\n",
-               at->x(), at->y(), at->z());
+    printText(stderr, "kerf: the tip comes out of the object on the far side, at ({:.2f}, {:.2f}, {:.2f}) mm\n",
+              at->x(), at->y(), at->z());
 }
 
 int runByHand(const CutArguments& a, const std::filesystem::path& tool) {
@@ -287,8 +287,8 @@ int runByHand(const CutArguments& a, const std::filesystem::path& tool) {
   if (!cut) return complain(cut.error());
 
   if (cut->left_region_unused)
-    fmt::print(stderr, "kerf: the case's fine region is not used by --hand: cut on the object's voxels, {} mm\n",
-               cut->manifest.voxel_mm);
+    printText(stderr, "kerf: the case's fine region is not used by --hand: cut on the object's voxels, {} mm\n",
+              cut->manifest.voxel_mm);
   tell(warningsOf(cut->manifest));
   warnOfNeighbours(a, cut->summary);
   warnOfTool(a, tool, cut->manifest.voxel_mm, cut->summary.removed_mm3 + cut->summary.added_mm3 < kUnchanged);
@@ -297,10 +297,10 @@ int runByHand(const CutArguments& a, const std::filesystem::path& tool) {
   warnOfFeed(a, cut->summary);
   constexpr double kInside = 0.2;  // mm; less is a tool that leans on the surface
   if (cut->summary.began_inside_mm > kInside)
-    fmt::print(stderr,
-               "kerf: WARNING: the path begins inside tissue, by {:.2f} mm or more, from where the tool is thrown out: "
-               "its force says nothing. Begin it in air, as with a plunge\n",
-               cut->summary.began_inside_mm);
+    printText(stderr,
+              "kerf: WARNING: the path begins inside tissue, by {:.2f} mm or more, from where the tool is thrown out: "
+              "its force says nothing. Begin it in air, as with a plunge\n",
+              cut->summary.began_inside_mm);
   if (a.json)
     printJson(cutJson(a, *cut));
   else
@@ -329,8 +329,8 @@ void tellOfNeighbours(const CutArguments& a, const RunManifest& m) {
   for (std::size_t n = 0; n < m.beside.size(); ++n) {
     const RunManifest::Beside& other = m.beside[n];
     if (other.removed_now_mm3 <= kUnchanged) continue;
-    fmt::print(stderr, "kerf: {} ({}) was cut: {:.4f} mm3. Its mesh: kerf export {} --beside {} -o FILE\n",
-               neighbourId(n + 1), other.case_path, other.removed_now_mm3, a.output, n + 1);
+    printText(stderr, "kerf: {} ({}) was cut: {:.4f} mm3. Its mesh: kerf export {} --beside {} -o FILE\n",
+              neighbourId(n + 1), other.case_path, other.removed_now_mm3, a.output, n + 1);
   }
 }
 
@@ -352,7 +352,7 @@ int runGeometry(const CutArguments& a, const std::filesystem::path& tool) {
   if (!m) return complain(m.error());
 
   if (m->beyond_region_mm > 0)
-    fmt::print(
+    printText(
         stderr,
         "kerf: the cut reaches {:.2f} mm out of the case's fine region: cut on the object's voxels, {} mm. For the "
         "fine ones bake with a larger --fine-radius\n",
@@ -387,7 +387,7 @@ int runGeometry(const CutArguments& a, const std::filesystem::path& tool) {
         {"comes_out_at_mm", out_at ? nlohmann::json{out_at->x(), out_at->y(), out_at->z()} : nlohmann::json()},
         {"state_hash", m->state_hash}});
   else
-    fmt::print(
+    printText(
         "cut with {} along {:.2f} mm in {} motions, voxels {} mm; state {}\n{}{}removed {:.4f} mm3{}\nrun written: "
         "{}\n",
         m->tool_id, m->path_length_mm, m->segments, m->voxel_mm, m->state_hash, mergedLine(*m), earlierLine(*m),

@@ -51,9 +51,9 @@ int runDemo(const DemoArguments& a, Model model) {
     return complain(written.error());
 
   for (const DemoAnatomy::File& file : anatomy->files)
-    fmt::print("written: {}/{} ({} triangles)\n", a.output, file.name, file.mesh.triangles.size());
-  if (!anatomy->parts.empty()) fmt::print("written: {}/{}\n", a.output, anatomy->manifest());
-  fmt::print("{}\n", anatomy->title);
+    printText("written: {}/{} ({} triangles)\n", a.output, file.name, file.mesh.triangles.size());
+  if (!anatomy->parts.empty()) printText("written: {}/{}\n", a.output, anatomy->manifest());
+  printText("{}\n", anatomy->title);
   return kOk;
 }
 

@@ -24,7 +24,7 @@ int runDemoMolar(const DemoMolarArguments& a) {
   const TerminalProgress guard;  // Ctrl-C waits until no file is half written
   const Mesh mesh = demoMolar(a.edge_mm);
   if (const auto written = writeMesh(a.output, mesh); !written) return complain(written.error());
-  fmt::print("written: {} ({} triangles, {:.1f} mm3)\n", a.output, mesh.triangles.size(), signedVolume(mesh));
+  printText("written: {} ({} triangles, {:.1f} mm3)\n", a.output, mesh.triangles.size(), signedVolume(mesh));
   return kOk;
 }
 

@@ -52,10 +52,10 @@ class Ear {
     if (const auto written = writeRecording(options.record, tape_.recording()); !written)
       return complain(written.error());
     if (!options.json)
-      fmt::print("written: {} ({})\n", options.record, counted(tape_.recording().reports.size(), "report"));
+      printText("written: {} ({})\n", options.record, counted(tape_.recording().reports.size(), "report"));
     if (tape_.lost() > 0)
-      fmt::print(stderr, "kerf: {}: {} more, which no recording holds: it is full\n", options.record,
-                 counted(tape_.lost(), "report"));
+      printText(stderr, "kerf: {}: {} more, which no recording holds: it is full\n", options.record,
+                counted(tape_.lost(), "report"));
     return kOk;
   }
 
@@ -87,13 +87,13 @@ bool watch(HidDevice& device, const ProbeOptions& options) {
     const DeviceReading& r = device.reading();
     const bool has_come = r.reports + r.unknown + r.malformed > 0;
     if (const std::string text = textOf(r, axes); prints && has_come && text != last) {
-      fmt::print("{:8.3f} s  {}\n", watch.seconds(), text);
+      printText("{:8.3f} s  {}\n", watch.seconds(), text);
       std::fflush(stdout);
       last = text;
     }
     if (!has_warned && watch.seconds() > 2 && !has_come) {
-      fmt::print(stderr, "kerf: {}: nothing has come for 2 s; move it. Another driver may have taken it.\n",
-                 device.what().path());
+      printText(stderr, "kerf: {}: nothing has come for 2 s; move it. Another driver may have taken it.\n",
+                device.what().path());
       has_warned = true;
     }
     std::this_thread::sleep_for(kBetweenLines);
@@ -115,7 +115,7 @@ int probeAxes(const FoundDevice& found, const ProbeOptions& options) {
       found, [&](std::int64_t t, int interface, std::span<const std::uint8_t> r) { ear.hear(t, interface, r); });
   if (!device) return complain(device.error());
 
-  if (!options.json) fmt::print("{}: {}\n", found.path(), found.name);
+  if (!options.json) printText("{}: {}\n", found.path(), found.name);
   const bool is_connected = watch(**device, options);
   (*device)->update();
   const DeviceReading last = (*device)->reading();
@@ -164,12 +164,12 @@ bool watchArm(const ForceArm& arm, const ProbeOptions& options, LastHand& out) {
     std::string text = counts.is_talking ? textOf(out.hand, out.velocity) : "silent: " + counts.trouble;
     if (counts.refused > 0) text += fmt::format(", {} refused: {}", counts.refused, counts.last_fault);
     if (prints && out.has_come && text != last) {
-      fmt::print("{:8.3f} s  {}, {:.1f} ms old\n", watch.seconds(), text, out.age_ms);
+      printText("{:8.3f} s  {}, {:.1f} ms old\n", watch.seconds(), text, out.age_ms);
       std::fflush(stdout);
       last = text;
     }
     if (!has_warned && watch.seconds() > 2 && !out.has_come) {
-      fmt::print(stderr, "kerf: {}: nothing has come for 2 s; {}\n", arm.what(), counts.trouble);
+      printText(stderr, "kerf: {}: nothing has come for 2 s; {}\n", arm.what(), counts.trouble);
       has_warned = true;
     }
     std::this_thread::sleep_for(kBetweenLines);
@@ -178,11 +178,11 @@ bool watchArm(const ForceArm& arm, const ProbeOptions& options, LastHand& out) {
 }
 
 void sayHow(const ArmCounts& counts, const TimeHistogram& gaps) {
-  fmt::print("{} of the hand, {} refused", counted(counts.hands, "message"), counts.refused);
+  printText("{} of the hand, {} refused", counted(counts.hands, "message"), counts.refused);
   if (gaps.count() > 0)
-    fmt::print("; apart {:.2f} ms in the middle, p99 {:.2f} ms, {:.2f} ms at most", gaps.percentileMs(0.5),
-               gaps.percentileMs(0.99), gaps.maxMs());
-  fmt::print("; {} told the arm that there is no force\n", counted(counts.forces, "message"));
+    printText("; apart {:.2f} ms in the middle, p99 {:.2f} ms, {:.2f} ms at most", gaps.percentileMs(0.5),
+              gaps.percentileMs(0.99), gaps.maxMs());
+  printText("; {} told the arm that there is no force\n", counted(counts.forces, "message"));
 }
 
 // @param id  of the device, for the recording: "cafe:4004 RawHID arm"; empty: what the arm calls itself.
@@ -199,7 +199,7 @@ int probeArm(const std::string& name, const std::string& id, const std::string& 
 
   // It is never enabled: the frames that it is sent say so.
   const std::string what = opened->arm->what();
-  if (!options.json) fmt::print("{}: no force while it is probed\n", what);
+  if (!options.json) printText("{}: no force while it is probed\n", what);
   std::fflush(stdout);
   LastHand last;
   const bool is_connected = watchArm(*opened->arm, options, last);
@@ -251,15 +251,15 @@ int printHands(const DeviceRecording& recording, bool json) {
   HandSpeed speed;
   nlohmann::json list = nlohmann::json::array();
   if (!json)
-    fmt::print("{}, driver {}: {}, {} of the hand, {} refused\n", recording.device, recording.arm,
-               counted(recording.reports.size(), "message"), replayed.hands.size(), replayed.refused);
+    printText("{}, driver {}: {}, {} of the hand, {} refused\n", recording.device, recording.arm,
+              counted(recording.reports.size(), "message"), replayed.hands.size(), replayed.refused);
   for (const RecordedHand& next : replayed.hands) {
     const Vec3d velocity = speed.at(next.time_us, next.hand);
     if (json) {
       list.push_back(jsonOf(next.hand, velocity));
       list.back()["time_us"] = next.time_us;
     } else {
-      fmt::print("{:8.3f} s  {}\n", 1e-6 * static_cast<double>(next.time_us), textOf(next.hand, velocity));
+      printText("{:8.3f} s  {}\n", 1e-6 * static_cast<double>(next.time_us), textOf(next.hand, velocity));
     }
   }
   if (json)
@@ -279,10 +279,10 @@ int printReadings(const DeviceRecording& recording, bool json) {
     printJson({{"device", recording.device}, {"driver", recording.driver->id}, {"readings", list}});
     return kOk;
   }
-  fmt::print("{}, driver {}: {}\n", recording.device, recording.driver->id, counted(readings.size(), "report"));
+  printText("{}, driver {}: {}\n", recording.device, recording.driver->id, counted(readings.size(), "report"));
   for (std::size_t n = 0; n < readings.size(); ++n)
-    fmt::print("{:8.3f} s  {}\n", 1e-6 * static_cast<double>(recording.reports[n].time_us),
-               textOf(readings[n], readings[n].axes));
+    printText("{:8.3f} s  {}\n", 1e-6 * static_cast<double>(recording.reports[n].time_us),
+              textOf(readings[n], readings[n].axes));
   return kOk;
 }
 

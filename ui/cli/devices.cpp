@@ -42,9 +42,9 @@ nlohmann::json devicesJson(const std::string& name, const DeviceProfile& p, cons
 
 void printDevices(const std::string& name, const DeviceProfile& p, const DeviceCoupling& c,
                   const CouplingSettings& wanted) {
-  fmt::print("{}: {:g} ms, {:g} kg, {:g} N, {:g} mm\n", name, 1000 * p.delay_s, p.mass_kg, p.friction, p.encoder_mm);
-  fmt::print("  coupling {}; damping {:.2g} N s/m, {:.2g} while the drive turns\n", describeStiffness(c, wanted),
-             1000 * c.settings.damping, 1000 * c.settings.running_damping);
+  printText("{}: {:g} ms, {:g} kg, {:g} N, {:g} mm\n", name, 1000 * p.delay_s, p.mass_kg, p.friction, p.encoder_mm);
+  printText("  coupling {}; damping {:.2g} N s/m, {:.2g} while the drive turns\n", describeStiffness(c, wanted),
+            1000 * c.settings.damping, 1000 * c.settings.running_damping);
 }
 
 int sayCouplings(const DevicesArguments& a) {
@@ -64,8 +64,7 @@ int sayCouplings(const DevicesArguments& a) {
     own.delay_s = a.delay_ms / 1000;
     show("device", own);
   } else {
-    if (!a.json)
-      fmt::print("Numbers as such devices have them, not measured on any: delay, mass, friction, encoder.\n");
+    if (!a.json) printText("Numbers as such devices have them, not measured on any: delay, mass, friction, encoder.\n");
     for (const TypicalDevice& device : typicalDevices()) show(device.name, device.profile);
   }
   if (a.json) printJson(list);
@@ -87,14 +86,14 @@ int listDevices(const DevicesArguments& a) {
     printJson(list);
     return kOk;
   }
-  if (devices.empty()) fmt::print("no device that a driver knows is plugged in\n");
+  if (devices.empty()) printText("no device that a driver knows is plugged in\n");
   for (const FoundDevice& found : devices) {
-    fmt::print("{}: {}, {}\n", found.path(), found.name, found.driver->people);
-    fmt::print("  id {}, serial {}, driver {}", idOf(found.interfaces.front()),
-               found.serial().empty() ? "none" : found.serial(), found.driver->id);
-    if (found.interfaces.size() > 1) fmt::print(", {}", counted(found.interfaces.size(), "interface"));
-    fmt::print("\n");
-    if (!found.mayOpen()) fmt::print("  {}\n", kMayNotOpen);
+    printText("{}: {}, {}\n", found.path(), found.name, found.driver->people);
+    printText("  id {}, serial {}, driver {}", idOf(found.interfaces.front()),
+              found.serial().empty() ? "none" : found.serial(), found.driver->id);
+    if (found.interfaces.size() > 1) printText(", {}", counted(found.interfaces.size(), "interface"));
+    printText("\n");
+    if (!found.mayOpen()) printText("  {}\n", kMayNotOpen);
   }
   return kOk;
 }

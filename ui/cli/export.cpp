@@ -87,9 +87,8 @@ Expected<void> warnOfExportNeighbours(const std::string& bundle) {
   KERF_TRY(manifest, readRunManifest(bundle));
   for (std::size_t n = 1; n <= manifest.beside.size(); ++n)
     if (const RunManifest::Beside& other = manifest.beside[n - 1]; other.removed_mm3 > 0)
-      fmt::print(stderr,
-                 "kerf: {:.4f} mm3 were cut off {}, too; not in this mesh: kerf export {} --beside {} -o FILE\n",
-                 other.removed_mm3, other.case_path, bundle, n);
+      printText(stderr, "kerf: {:.4f} mm3 were cut off {}, too; not in this mesh: kerf export {} --beside {} -o FILE\n",
+                other.removed_mm3, other.case_path, bundle, n);
   return {};
 }
 
@@ -104,7 +103,7 @@ void warnOfLedger(const std::string& bundle, const PostOpReport& mesh) {
   const double in_mesh_mm3 = mesh.removed_volume_mm3 - mesh.crumbs_volume_mm3;
   const double counted_mm3 = report->removed_mm3.value_or(0), apart = in_mesh_mm3 - counted_mm3;
   if (counted_mm3 > 0 && std::abs(apart) > std::max(kWorthSaying, kMostApart * counted_mm3))
-    fmt::print(
+    printText(
         stderr,
         "kerf: WARNING: while it was cut {:.4f} mm3 were counted, the mesh lacks {:.4f} ({:+.0f} %): what cuts of "
         "{} is too thin for voxels of {:g} mm, or was fed through what it did not cut. Bake finer, or feed "
@@ -151,16 +150,16 @@ void printExportVolumes(const PostOpMesh& result, bool is_case) {
   const PostOpReport& r = result.report;
   const std::string pieces = describe(PieceCount{.pieces = r.pieces, .cavities = r.cavities});
   if (is_case) {
-    fmt::print("solid of the case, nothing cut: {} vertices, {} triangles, {:.4f} mm3; {}\n",
-               result.mesh.vertices.size(), result.mesh.triangles.size(), r.result_volume_mm3, pieces);
+    printText("solid of the case, nothing cut: {} vertices, {} triangles, {:.4f} mm3; {}\n",
+              result.mesh.vertices.size(), result.mesh.triangles.size(), r.result_volume_mm3, pieces);
     return;
   }
   const bool has_added = r.added_volume_mm3 != 0;
-  fmt::print("removed {:.4f} mm3 of {:.4f} mm3; {}\n", r.removed_volume_mm3, r.source_volume_mm3, pieces);
-  if (has_added) fmt::print("added {:.4f} mm3\n", r.added_volume_mm3);
-  fmt::print("vertices of the solid: {} kept bit for bit, {} inside {}; {} of {} triangles are {}\n",
-             r.source_vertices_kept, r.source_vertices_removed, has_added ? "what was cut or added" : "the cut",
-             r.cut_triangles, result.mesh.triangles.size(), has_added ? "new" : "cut faces");
+  printText("removed {:.4f} mm3 of {:.4f} mm3; {}\n", r.removed_volume_mm3, r.source_volume_mm3, pieces);
+  if (has_added) printText("added {:.4f} mm3\n", r.added_volume_mm3);
+  printText("vertices of the solid: {} kept bit for bit, {} inside {}; {} of {} triangles are {}\n",
+            r.source_vertices_kept, r.source_vertices_removed, has_added ? "what was cut or added" : "the cut",
+            r.cut_triangles, result.mesh.triangles.size(), has_added ? "new" : "cut faces");
 }
 
 void printExport(const ExportArguments& a, const std::vector<Output>& outputs, const Export& result) {
@@ -168,26 +167,24 @@ void printExport(const ExportArguments& a, const std::vector<Output>& outputs, c
 
   const WallAccuracy& w = result.accuracy;
   if (w.vertices)
-    fmt::print(
+    printText(
         "cut walls lie {:.1f} um rms, {:.1f} um at most from the exact sweep of the tool ({} vertices measured)\n",
         1e3 * w.rms_mm, 1e3 * w.max_mm, w.vertices);
-  if (!result.accuracy_missing.empty())
-    fmt::print("the cut walls could not be measured: {}\n", result.accuracy_missing);
+  if (!result.accuracy_missing.empty()) printText("the cut walls could not be measured: {}\n", result.accuracy_missing);
 
   const PostOpReport& r = result.post_op.report;
   if (r.cavities > 0)
-    fmt::print("Cavities are shut in: a printer that works in resin or powder leaves some of it there.\n");
+    printText("Cavities are shut in: a printer that works in resin or powder leaves some of it there.\n");
   if (r.crumbs_dropped)
-    fmt::print("dropped {} below {:.2g} mm3, {:.6f} mm3 together\n", counted(r.crumbs_dropped, "crumb"), r.crumb_mm3,
-               r.crumbs_volume_mm3);
+    printText("dropped {} below {:.2g} mm3, {:.6f} mm3 together\n", counted(r.crumbs_dropped, "crumb"), r.crumb_mm3,
+              r.crumbs_volume_mm3);
   if (r.attempts > 1)
-    fmt::print("took {} attempts: the cut was shifted by a few thousandths of a voxel to survive float32\n",
-               r.attempts);
+    printText("took {} attempts: the cut was shifted by a few thousandths of a voxel to survive float32\n", r.attempts);
   for (const RunManifest::Piece& p : result.pieces)
     if (p.isMoved())
-      fmt::print("{} {}: {:.2f} mm off its place in the scan\n", p.name, a.is_put_back ? "put back" : "moved",
-                 (p.T_case_piece * p.inside - p.inside).norm());
-  for (const Output& output : outputs) fmt::print("written: {}\n", output.path);
+      printText("{} {}: {:.2f} mm off its place in the scan\n", printable(p.name), a.is_put_back ? "put back" : "moved",
+                (p.T_case_piece * p.inside - p.inside).norm());
+  for (const Output& output : outputs) printText("written: {}\n", output.path);
 }
 
 // Neither a scan of ours nor, unless the user says so, anything that is there.

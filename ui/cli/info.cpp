@@ -178,20 +178,20 @@ void printInfo(const json& j, int depth) {
   for (const auto& [key, value] : j.items()) {
     const std::string indent(static_cast<std::size_t>(2 * depth), ' ');
     if (value.is_object()) {
-      fmt::print("{}{}:\n", indent, key);
+      printText("{}{}:\n", indent, key);
       printInfo(value, depth + 1);
     } else if (value.is_array() && !value.empty() && (value[0].is_object() || value[0].is_string())) {
-      fmt::print("{}{}:\n", indent, key);
+      printText("{}{}:\n", indent, key);
       for (const json& item : value) {
         if (item.is_string()) {
-          fmt::print("{}  - {}\n", indent, item.get<std::string>());
+          printText("{}  - {}\n", indent, item.get<std::string>());
         } else {
-          fmt::print("{}  -\n", indent);
+          printText("{}  -\n", indent);
           printInfo(item, depth + 2);
         }
       }
     } else {
-      fmt::print(
+      printText(
           "{}{}: {}\n", indent, key,
           value.is_string() ? value.get<std::string>() : value.dump(-1, ' ', false, json::error_handler_t::replace));
     }
@@ -219,7 +219,7 @@ struct InfoArguments {
 
 // What is said for people of a run comes first; of the rest what is not in there.
 void printRun(const RunReport& report, const json& j) {
-  fmt::print("{}\n", runText(report));
+  printText("{}\n", runText(report));
   json rest = json::object();
   for (const char* key : {"case_path", "case_id", "mode", "is_open", "duration_s", "segments", "path_length_mm",
                           "voxel_mm", "state_hash", "kerf_version", "goes_on_from_field_sha256", "pieces", "beside"})

@@ -79,7 +79,7 @@ void follow(LiveRun& run, const ForceArm& device, const LiveArguments& a) {
     const auto now = steady_clock::now();
     if (a.seconds > 0 && duration<double>(now - began).count() >= a.seconds) return;
     if (device.isGone() || device.isOver()) {
-      if (!a.json) fmt::print("{:8.3f} s  {}\n", duration<double>(now - began).count(), device.counts().trouble);
+      if (!a.json) printText("{:8.3f} s  {}\n", duration<double>(now - began).count(), device.counts().trouble);
       return;
     }
     run.takeChunks();
@@ -87,8 +87,8 @@ void follow(LiveRun& run, const ForceArm& device, const LiveArguments& a) {
     const bool is_talking = device.counts().is_talking;
     if (!is_talking) last_away = now;
     if (is_talking != was_talking && !a.json)
-      fmt::print("{:8.3f} s  {}\n", duration<double>(now - began).count(),
-                 is_talking ? "the hand is back" : "the hand is gone: no force");
+      printText("{:8.3f} s  {}\n", duration<double>(now - began).count(),
+                is_talking ? "the hand is back" : "the hand is gone: no force");
     was_talking = is_talking;
     const bool is_back = duration<double>(now - last_away).count() > kBack;
     if (run.thread().report().is_latched && is_back) {
@@ -115,11 +115,11 @@ int say(const LiveArguments& a, const RunManifest& manifest, const HapticReport&
                {"old_frames", counts.old}});
     return kOk;
   }
-  fmt::print("cut for {:.3f} s with {}; removed {:.4f} mm3; state {}\n", manifest.duration_s, manifest.tool_id, removed,
-             manifest.state_hash);
-  fmt::print("frames: {} of the hand, {} refused, {} too old; {} of force\n", counts.hands, counts.refused, counts.old,
-             counts.forces);
-  fmt::print("run written: {}\n", a.run_folder);
+  printText("cut for {:.3f} s with {}; removed {:.4f} mm3; state {}\n", manifest.duration_s, manifest.tool_id, removed,
+            manifest.state_hash);
+  printText("frames: {} of the hand, {} refused, {} too old; {} of force\n", counts.hands, counts.refused, counts.old,
+            counts.forces);
+  printText("run written: {}\n", a.run_folder);
   return kOk;
 }
 
@@ -143,7 +143,7 @@ int runLive(const LiveArguments& a) {
   if (!opened && opened.error().code == Error::Code::kBadValue) return complainOfUsage(opened.error());
   if (!opened) return complain(opened.error());
   const std::unique_ptr<ForceArm> device = std::move(opened->arm);
-  if (!a.json) fmt::print("waiting for a hand: {}\n", device->what());
+  if (!a.json) printText("waiting for a hand: {}\n", device->what());
   std::fflush(stdout);
   const auto hand = waitForHand(*device, a.wait_s);
   if (!hand) return complain(hand.error());
@@ -166,8 +166,8 @@ int runLive(const LiveArguments& a) {
   }();
   if (!session) return complain(session.error());
   if (!a.json)
-    fmt::print("coupling {}; force at most {:.2g} N{}\n", describeStiffness(coupling, wanted), wanted.force_limit,
-               a.is_forceless ? ", switched off" : "");
+    printText("coupling {}; force at most {:.2g} N{}\n", describeStiffness(coupling, wanted), wanted.force_limit,
+              a.is_forceless ? ", switched off" : "");
   std::fflush(stdout);
   device->enable(!a.is_forceless);
   if (const auto started = (*session)->start(*device); !started) return complain(started.error());

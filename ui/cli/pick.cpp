@@ -236,7 +236,7 @@ int runPick(const PickArguments& a) {
   if (a.json)
     printJson(all);
   else
-    fmt::print("{}", text);
+    printText("{}", text);
   return kOk;
 }
 

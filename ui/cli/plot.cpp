@@ -82,7 +82,7 @@ int runPlot(const PlotArguments& a) {
   if (const auto free = requireFree(a.output, a.overwrites); !free) return complain(free.error());
   const auto plotted = plot(a);
   if (!plotted) return complain(plotted.error());
-  fmt::print("drawn: {}\n", a.output);
+  printText("drawn: {}\n", a.output);
   return kOk;
 }
 

@@ -29,27 +29,27 @@ nlohmann::json replayJson(const Replay& r) {
 
 void printReplay(const Replay& r, double from_s) {
   if (r.first_tick > 0)
-    fmt::print("from the snapshot at {:.3f} s\n", static_cast<double>(r.first_tick) * kTick);
+    printText("from the snapshot at {:.3f} s\n", static_cast<double>(r.first_tick) * kTick);
   else if (from_s > 0)
-    fmt::print("from the beginning: no snapshot up to {:g} s that all of the rest can follow from\n", from_s);
+    printText("from the beginning: no snapshot up to {:g} s that all of the rest can follow from\n", from_s);
 
   const std::string of = r.objects > 1 ? fmt::format(" of {} objects", r.objects) : "";
-  fmt::print("replayed {} ticks ({:.3f} s), {} commands; removed {:.4f} mm3{}; state {}\n", r.ticks,
-             static_cast<double>(r.ticks) * kTick, r.commands, r.removed_mm3, of, r.state_hash);
-  if (!r.note.empty()) fmt::print("{}\n", r.note);
+  printText("replayed {} ticks ({:.3f} s), {} commands; removed {:.4f} mm3{}; state {}\n", r.ticks,
+            static_cast<double>(r.ticks) * kTick, r.commands, r.removed_mm3, of, r.state_hash);
+  if (!r.note.empty()) printText("{}\n", r.note);
 
   if (r.is_same && r.is_whole)
-    fmt::print("the same bit for bit at all of {} checks of state and force\n", r.checks);
+    printText("the same bit for bit at all of {} checks of state and force\n", r.checks);
   else if (r.is_same)
-    fmt::print("INCOMPLETE: the same bit for bit at all of {} checks up to there; the rest can not be compared\n",
-               r.checks);
+    printText("INCOMPLETE: the same bit for bit at all of {} checks up to there; the rest can not be compared\n",
+              r.checks);
   else if (r.checks > 0)
-    fmt::print("DIFFERS: the first of {} checks that does not hold is that of tick {}\n", r.checks, r.differs_at);
+    printText("DIFFERS: the first of {} checks that does not hold is that of tick {}\n", r.checks, r.differs_at);
 }
 
 int runReplay(const ReplayArguments& a) {
   if (a.lists_commands) {
-    fmt::print("{}", commandReference());
+    printText("{}", commandReference());
     return kOk;
   }
   if (a.run.empty()) throw CLI::RequiredError("RUN");

@@ -65,12 +65,7 @@ bool has_printed_json = false;
 
 int complain(const Error& error) {
   complained_of = error;
-  std::string line = fmt::format("{}: ", program_invocation_short_name);
-  for (const char c : error.message()) {  // a file name may hold line ends and terminal commands
-    const auto byte = static_cast<unsigned char>(c);
-    line += byte < 0x20 || byte == 0x7f ? fmt::format("\\x{:02x}", byte) : std::string(1, c);
-  }
-  std::fputs((line + "\n").c_str(), stderr);
+  printText(stderr, "{}: {}\n", program_invocation_short_name, printable(error.message()));
   return kFailed;
 }
 
@@ -86,7 +81,7 @@ void answerInJson() {
 
 void printJson(const nlohmann::json& json) {
   has_printed_json = true;
-  fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+  printText("{}\n", printableJson(json));
 }
 
 int runProgram(CLI::App& app, int argc, const char* const* argv, const int& exit_code) {
@@ -192,7 +187,7 @@ Progress TerminalProgress::callback() {
                                    ? fmt::format(", {:.0f} s left", spent * (1 - fraction) / fraction)
                                    : std::string();
       const std::string bar(static_cast<std::size_t>(percent / 5), '#');
-      std::fputs(fmt::format("\r\033[K[{:<20}] {:3d} %  {}{}", bar, percent, what, left).c_str(), stderr);
+      std::fputs(fmt::format("\r\033[K[{:<20}] {:3d} %  {}{}", bar, percent, printable(what), left).c_str(), stderr);
       std::fflush(stderr);
     }
     return true;

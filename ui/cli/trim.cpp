@@ -241,25 +241,25 @@ json trimJson(const Cut& cut, const Source& source, const PlaneCut& result, cons
 void printTrim(const TrimArguments& a, const Cut& cut, const PlaneCut& result, const std::vector<TrimOutput>& outputs) {
   const auto line = [](const char* name, const PostOpMesh& part, bool is_kept) {
     const PostOpReport& r = part.report;
-    fmt::print("{}: {:.4f} mm3 in {}{}; {} vertices of the solid kept bit for bit\n", name, r.result_volume_mm3,
-               counted(r.pieces, "piece"), is_kept ? "" : ", cut off", r.source_vertices_kept);
+    printText("{}: {:.4f} mm3 in {}{}; {} vertices of the solid kept bit for bit\n", name, r.result_volume_mm3,
+              counted(r.pieces, "piece"), is_kept ? "" : ", cut off", r.source_vertices_kept);
     if (r.pieces > 1)
       for (const PieceAt& piece : piecesAt(part.mesh))
-        fmt::print("  {:.4f} mm3 around ({:.2f}, {:.2f}, {:.2f}) mm\n", piece.volume_mm3, piece.middle[0],
-                   piece.middle[1], piece.middle[2]);
+        printText("  {:.4f} mm3 around ({:.2f}, {:.2f}, {:.2f}) mm\n", piece.volume_mm3, piece.middle[0],
+                  piece.middle[1], piece.middle[2]);
     if (r.crumbs_dropped)
-      fmt::print("  dropped {} below {:.2g} mm3, {:.6f} mm3 together\n", counted(r.crumbs_dropped, "crumb"),
-                 r.crumb_mm3, r.crumbs_volume_mm3);
+      printText("  dropped {} below {:.2g} mm3, {:.6f} mm3 together\n", counted(r.crumbs_dropped, "crumb"), r.crumb_mm3,
+                r.crumbs_volume_mm3);
   };
   for (const Plane& plane : cut.planes)
-    fmt::print("cut along {:.5f},{:.5f},{:.5f}@{:.4f},{:.4f},{:.4f} (normal @ point, mm)\n", plane.normal[0],
-               plane.normal[1], plane.normal[2], plane.point[0], plane.point[1], plane.point[2]);
+    printText("cut along {:.5f},{:.5f},{:.5f}@{:.4f},{:.4f},{:.4f} (normal @ point, mm)\n", plane.normal[0],
+              plane.normal[1], plane.normal[2], plane.point[0], plane.point[1], plane.point[2]);
   line(cut.names[0], result.above, keepsFirst(a));
   line(cut.names[1], result.rest, keepsSecond(a));
-  fmt::print("the cut faces are flat to {:.3f} um\n", 1e3 * result.flatness_mm);
+  printText("the cut faces are flat to {:.3f} um\n", 1e3 * result.flatness_mm);
   if (result.shift_mm > 0)
-    fmt::print("the cut was moved by {:.2f} um along its normals to survive float32\n", 1e3 * result.shift_mm);
-  for (const TrimOutput& output : outputs) fmt::print("written: {}\n", output.path);
+    printText("the cut was moved by {:.2f} um along its normals to survive float32\n", 1e3 * result.shift_mm);
+  for (const TrimOutput& output : outputs) printText("written: {}\n", output.path);
 }
 
 Expected<void> trim(const TrimArguments& a) {
@@ -282,7 +282,7 @@ Expected<void> trim(const TrimArguments& a) {
     KERF_CHECK(requireFree(output.path, a.overwrites));
   }
   for (const TrimOutput& output : outputs) KERF_CHECK(writeMesh(output.path, output.part->mesh));
-  if (!source.note.empty()) fmt::print(stderr, "kerf: {}\n", source.note);
+  if (!source.note.empty()) printText(stderr, "kerf: {}\n", source.note);
   if (a.json)
     printJson(trimJson(cut, source, *result, outputs));
   else

@@ -16,6 +16,7 @@
 
 #include "geometry/base/assets.h"
 #include "geometry/base/build_info.h"
+#include "geometry/base/text.h"
 #include "geometry/formats/mesh_formats.h"
 #include "sim/run/run_files.h"
 #include "ui/app/app_commands.h"
@@ -44,7 +45,7 @@ struct Arguments {
 };
 
 int complain(const kerf::Error& error, kerf::ExitCode exit_code) {
-  fmt::print(stderr, "kerf-sim: error: {}\n", error.message());
+  kerf::printText(stderr, "kerf-sim: error: {}\n", error.message());
   return exit_code;
 }
 
@@ -163,36 +164,36 @@ kerf::Expected<void> cut(const Arguments& arguments, const Shown& shown) {
   if (!arguments.film.empty()) {
     const kerf::FilmOptions film{arguments.film, arguments.fps, arguments.from, arguments.until};
     KERF_TRY(pictures, kerf::runWorkshopFilm(film, options));
-    fmt::print("{} pictures written: {}\n", pictures, arguments.film);
+    kerf::printText("{} pictures written: {}\n", pictures, arguments.film);
     return {};
   }
   if (!arguments.script.empty()) return kerf::runWorkshopScript(arguments.script, options);
 
   KERF_TRY(frames, kerf::runWorkshop(options));
-  if (arguments.verbose) fmt::print(stderr, "kerf-sim: {} frames drawn\n", frames);
+  if (arguments.verbose) kerf::printText(stderr, "kerf-sim: {} frames drawn\n", frames);
   return {};
 }
 
 // A mesh, a case or a run as a picture.
 kerf::Expected<void> draw(const Arguments& arguments, const Shown& shown) {
   KERF_TRY(scene, kerf::loadScene(arguments.scenes.front(), shown.cut, arguments.unit));
-  if (!scene.note.empty()) fmt::print(stderr, "kerf-sim: note: {}\n", scene.note);
+  if (!scene.note.empty()) kerf::printText(stderr, "kerf-sim: note: {}\n", scene.note);
   const int width = shown.width, height = shown.height;
   kerf::Camera camera = shown.camera;
   // A picture stands on its ground: the mesh is turned, not the camera.
   const auto found = shown.up ? shown.up : kerf::surelyUp(arguments.scenes.front(), scene.mesh);
   const Eigen::Matrix3d upright = found ? kerf::uprightFrame(*found) : Eigen::Matrix3d::Identity();
   if (!upright.isIdentity() && !shown.up)
-    fmt::print(stderr,
-               "kerf-sim: note: shown with {} up, where the scan's occlusal side is; --up +z shows it as stored\n",
-               kerf::nameOfAxis(*found));
+    kerf::printText(stderr,
+                    "kerf-sim: note: shown with {} up, where the scan's occlusal side is; --up +z shows it as stored\n",
+                    kerf::nameOfAxis(*found));
   for (kerf::Vec3d& p : scene.mesh.vertices) p = upright * p;
   kerf::fitTo(camera, scene.mesh, width, height);
   if (shown.look_at) camera.target = upright * *shown.look_at;
   kerf::zoomBy(camera, arguments.zoom);
 
   KERF_TRY(context, kerf::OffscreenContext::create(!arguments.gpu));
-  if (arguments.verbose) fmt::print(stderr, "kerf-sim: drawing with {}\n", context->description);
+  if (arguments.verbose) kerf::printText(stderr, "kerf-sim: drawing with {}\n", context->description);
   KERF_TRY(picture, kerf::MeshPicture::create());
   picture->setMesh(scene.mesh);
 
@@ -315,7 +316,7 @@ int main(int argc, char** argv) try {
   if (kerf::isManualRequest(argc, argv)) return kerf::answerManualRequest(app, argv[2]);
   if (const auto end = kerf::parseCommandLine(app, argc, argv)) return *end;
   if (a.lists_commands) {
-    fmt::print("{}", kerf::appCommandReference());
+    kerf::printText("{}", kerf::appCommandReference());
     return kerf::kOk;
   }
   if (const auto assets = kerf::requireAssets(); !assets) return complain(assets.error(), kerf::kFailed);
