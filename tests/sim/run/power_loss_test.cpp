@@ -238,8 +238,9 @@ TEST_F(DamagedRun, ADamagedFieldBesideAWholeLogIsRebuiltToTheByte) {
     if (damaged != "gone") std::ofstream(run_ / "run.vdb", std::ios::binary) << damaged;
     const auto refused = exportBundle(run_);
     ASSERT_FALSE(refused);
-    if (damaged != "gone")
+    if (damaged != "gone") {
       EXPECT_NE(refused.error().hint.find("kerf recover"), std::string::npos) << refused.error().message();
+    }
     const auto recovered = recoverRun(run_);
     ASSERT_TRUE(recovered) << recovered.error().message();
     EXPECT_NE(recovered->replay.note.find("rebuilt from the log"), std::string::npos) << recovered->replay.note;
