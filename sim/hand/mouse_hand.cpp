@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+
+#include "sim/step/coupling.h"
 
 namespace kerf {
 namespace {
@@ -14,6 +17,8 @@ constexpr double kFollow = 20;         // 1/s
 constexpr double kBrake = 30;          // 1/s: of the way to the depth
 constexpr double kMouseLetsGo = 200;   // mm/s, back
 constexpr double kSurfaceStep = 0.05;  // mm a tick
+constexpr double kRestYields = 2;      // of the force, with which it holds a tool at its place at most
+constexpr double kRestSpeed = 30;      // mm/s: a hand that is faster shakes the tool
 constexpr double kAround = 1;          // mm: so far beyond anchor and pointer the surface is looked for
 constexpr double kMostAside = 1;       // mm, against what pushes a tool out of its guide
 constexpr double kFeeler = 0.05;       // mm ahead, where what is kept is felt for
@@ -77,6 +82,9 @@ void MouseHand::placed(const Rigid3& T_world_tool) noexcept {
   reach_ = aim_.reach;
   front_ = aim_.front;
   aside_ = 0;
+  held_.setZero();
+  tool_ = sent_ = pose_.translation;
+  speed_of_sent_.setZero();
   lean_ = {};
   height_ = axis_.dot(aim_.anchor);
   felt_.setZero();
@@ -96,20 +104,46 @@ DeviceSample MouseHand::read() noexcept {
   followSurface();
   moveAlong(is_pressed);
   holdAttitude();
+  holdAtPlace(is_pressed);
+  return send(is_pressed);
+}
 
+DeviceSample MouseHand::send(bool is_pressed) noexcept {
   DeviceSample out;
   out.T_world_device = pose_;
   if (isHeldInAttitude()) out.T_world_device.rotation = lean_.of(pose_.rotation);
-  out.T_world_device.translation += aside_ * aim_.guide;
+  out.T_world_device.translation += held_ + aside_ * aim_.guide;
   out.pedal = is_pressed ? aim_.pedal : 0;
   out.irrigation = aim_.irrigation;
+
+  const Vec3d& to = out.T_world_device.translation;
+  const double gain = 1 - std::exp(-2 * std::numbers::pi * CouplingSettings{}.filter_hz * kTick);
+  speed_of_sent_ += gain * ((to - sent_) / kTick - speed_of_sent_);
+  sent_ = to;
   return out;
+}
+
+// A finger rest: stiff sideways.
+void MouseHand::holdAtPlace(bool is_pressed) noexcept {
+  const double early = CouplingSettings{}.running_damping / stiffness_;  // s
+  const Vec3d was = tool_;
+  tool_ = sent_ + felt_ / stiffness_ + early * speed_of_sent_;  // and early times its own speed
+  tool_ = (kTick * tool_ + early * was) / (kTick + early);
+
+  Vec3d wanted = Vec3d::Zero();
+  if (is_pressed) wanted = -kFirm * (2 * tool_ - was - pose_.translation);
+  wanted -= axis_.dot(wanted) * axis_;
+  const double most = kRestYields * std::max(kLeast, aim_.force) / stiffness_;
+  if (const double size = wanted.norm(); size > most) wanted *= most / size;
+
+  const Vec3d way = wanted - held_;
+  held_ += std::min(1.0, kRestSpeed * kTick / std::max(way.norm(), 1e-9)) * way;
 }
 
 // Of the tool, that much ahead of where it is.
 std::optional<double> MouseHand::leftToKept(const Vec3d& ahead) const noexcept {
   if (!aim_.samples || aim_.samples->isEmpty()) return {};
-  const Rigid3 tool{pose_.rotation, pose_.translation + felt_ / stiffness_ + ahead};
+  const Rigid3 tool{pose_.rotation, pose_.translation + held_ + felt_ / stiffness_ + ahead};
   std::optional<double> out;
   if (structures_ && !structures_->isEmpty() && aim_.keep >= 0) {
     const KeepOut::Reading nearest = structures_->nearest(*aim_.samples, to_surface_ * tool).reading;
@@ -157,7 +191,7 @@ void MouseHand::holdBackFromKept(const Vec3d& towards) noexcept {
 // How far what of the tool goes first is from where the hand wants it, mm. Of a tilted tool that turns out of the way,
 // too: what it touches with is beside its axis.
 Vec3d MouseHand::givesWay() const noexcept {
-  Vec3d shift = felt_ / stiffness_;
+  Vec3d shift = held_ + felt_ / stiffness_;
   if (!isTilted()) return shift;
   const Vec3d turn = lean_.turn + torque_ / turn_stiffness_;
   shift += turn.cross(front_ + reach_ * axis_);
@@ -203,7 +237,7 @@ void MouseHand::moveSideways() noexcept {
 void MouseHand::holdAttitude() noexcept {
   if (!isHeldInAttitude()) return;
   lean_.against(torque_, turn_stiffness_);
-  const double off = aside_ + aim_.guide.dot(felt_) / stiffness_;
+  const double off = aside_ + aim_.guide.dot(held_ + felt_ / stiffness_);
   aside_ = std::clamp(aside_ - ToolLean::kRate * kTick * off, -kMostAside, kMostAside);
 }
 

@@ -9,6 +9,8 @@
 //                    depth of the tool, which is the hand's less felt / K
 //   sideways         v = kFollow (pointer - hand), at most kSideways, less as the side force felt nears its limit
 //   surface          as loaded: followed under the hand tick by tick, found under the tool; the higher one counts
+//   at its place     the hand stands kFirm (place - tool) beside its place: a finger rest, which holds the tool there
+//                    with 1 + kFirm times the coupling's stiffness, and with at most twice the force
 //   what is kept     l = distance of the tool to pulp, nerve or neighbour - what shall be left; the way to the depth is
 //   l at most.
 //                    Sideways the hand nears it no faster than kBrake l, and draws the tool towards it with a force
@@ -16,8 +18,12 @@
 //   a tilted tool    is led sideways by slant x its depth below the pointer, so that it goes in along its own axis
 //
 // Force, depth and surface go by the normal of the surface, tilted or not: what is tilted presses no harder, and what
-// of it is deepest stops at the depth. Its attitude is held against the torque, as a hand would. In hard tissue it is
-// behind its axis by side force / K, tenths of a mm, until it has cut its way there.
+// of it is deepest stops at the depth. Its attitude is held against the torque, as a hand would.
+//
+// The finger rest needs the tool's place, which a hand does not read. It follows from the force of the coupling,
+// K (tool - hand) + B (their speeds' difference): force / K alone comes B / K = 2 ms early, and the tool walks round
+// its hole. A ball of radius r under a load N slides off the stub that its slow tip leaves with N / r, and drag turns
+// it: at 1 N, softer than N / r = 4 N/mm for the smallest bur, every bur cuts a bowl.
 //
 // The samples are in the session log like any device's: a replay gives the same bits without a mouse.
 #pragma once
@@ -75,6 +81,7 @@ class MouseHand final : public DeviceSource {
   static constexpr double kSideways = 8;   ///< mm/s
   static constexpr double kMostSlant = 4;  ///< a tilt of 76 degrees
   static constexpr double kLeast = 0.3;    ///< N: side force that is always allowed
+  static constexpr double kFirm = 9;       ///< mm that it stands beside its place for each mm the tool does
   static constexpr double kClearance = 1;  ///< mm above the surface as loaded, where it goes when the button is up
 
   /// @param surface  the field as loaded (mm, negative inside), kept. Null: none, the plane through the anchor.
@@ -105,6 +112,8 @@ class MouseHand final : public DeviceSource {
   void moveSideways() noexcept;
   void moveAlong(bool is_pressed) noexcept;
   void holdAttitude() noexcept;
+  void holdAtPlace(bool is_pressed) noexcept;
+  DeviceSample send(bool is_pressed) noexcept;
   std::optional<double> leftToKept(const Vec3d& ahead) const noexcept;
   void feelKept(bool is_pressed) noexcept;
   Vec3d sidewaysToKept() const noexcept;
@@ -133,7 +142,11 @@ class MouseHand final : public DeviceSource {
   Vec3d felt_ = Vec3d::Zero();    // N, of the last tick
   Vec3d torque_ = Vec3d::Zero();  // N mm
   Vec3d front_ = Vec3d::Zero();   // of the tool, see MouseAim
-  double aside_ = 0;              // of the hand beside the guide's plane, mm: what the coupling gives way
+  Vec3d held_ = Vec3d::Zero();    // of the hand beside its place, square to the axis, mm
+  Vec3d tool_ = Vec3d::Zero();    // where the tool is, by the force
+  Vec3d sent_ = Vec3d::Zero();    // where the hand was said to be
+  Vec3d speed_of_sent_ = Vec3d::Zero();  // as the coupling filters it, mm/s
+  double aside_ = 0;                     // of the hand beside the guide's plane, mm: what the coupling gives way
   ToolLean lean_;
 };
 

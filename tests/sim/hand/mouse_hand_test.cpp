@@ -7,6 +7,7 @@
 #include <functional>
 #include <numbers>
 
+#include "geometry/tool/sweep.h"
 #include "geometry/tool/tool_file.h"
 #include "sim/run/load_scene.h"
 #include "sim/session/session.h"
@@ -77,6 +78,7 @@ class Desk {
       session_.tick(sample, out);
       hand_.write(out.force);
       removed += out.removed_mm3;
+      work += out.power * kTick;
       look();
     }
   }
@@ -86,11 +88,13 @@ class Desk {
   Vec3d tip() const { return out.T_world_tool.translation; }
   MouseHand& hand() { return hand_; }
   const MouseAim& aim() const { return aim_; }
+  const CutObject& object() const { return session_.state().objects[0]; }
+  const BakedObject& baked() const { return *object_; }
 
   bool is_saw = false;  // its blade square to x
   DeviceSample sample;
   StepOutput out;
-  double removed = 0;
+  double removed = 0, work = 0;
 
  private:
   std::shared_ptr<const BakedObject> object_;
@@ -158,6 +162,90 @@ TEST(MouseHand, NoToolOfTheRackPassesTheDepth) {
   }
   EXPECT_LE(worst, 0.03) << "mm";
   EXPECT_GE(reached, runs / 2) << "they did cut";
+}
+
+// How far the hole goes beyond the tool that went straight down `axis` to `depth`, mm.
+double beyondStraightHole(const Desk& desk, const Tool& tool, const Vec3d& at, double reach, double depth) {
+  const BrickField& before = desk.baked().phi0();
+  const BrickField after = desk.object().bricks().field();
+  const Eigen::Quaterniond q = desk.out.T_world_tool.rotation;
+  const SweptTool straight(*tool.cut, {q, at + Vec3d(0, 0, reach)}, {q, at + Vec3d(0, 0, reach - depth)});
+  const double h = before.voxel();
+  const int side = static_cast<int>(2.9 / h), down = static_cast<int>((depth + 0.3) / h);
+  double out = 0;
+  for (int z = -down; z < 0; ++z)
+    for (int y = -side; y <= side; ++y)
+      for (int x = -side; x <= side; ++x) {
+        const Vec3i node(x, y, z);
+        const double phi = after.at(node);
+        if (!(before.at(node) < 0 && phi > 0)) continue;
+        const double off = straight.distance(h * node.cast<double>(), 3, 1e-3);
+        if (off > 0) out = std::max(out, off + std::min(phi, h));
+      }
+  return out;
+}
+
+// Drag turns the push of a slow tip, and a bur on a soft hand walks round its hole: 0.7 mm in enamel.
+TEST(MouseHand, AHeldButtonDrillsAHoleAsWideAsTheBurInAllThatIsHard) {
+  const Vec3d at(0.02, 0.03, 0);
+  int runs = 0;
+  test::Slice slice(7);
+  for (const ToolListing& listed : listTools(defaultToolFolders())) {
+    ASSERT_TRUE(listed.tool) << listed.file;
+    const Tool& tool = *listed.tool;
+    if (motionOf(tool) != ToolMotion::kSpin || tool.cut->bounds().size()[0] > 4) continue;
+    const double reach = reachOf(tool);
+    for (const Material material : {Material::kEnamel, Material::kDentin, Material::kCaries}) {
+      if (!slice.has()) continue;
+      auto block = practiceBlock({6, 6, 4}, 0.1, {}, material);
+      ASSERT_TRUE(block);
+      auto model = makeModel(std::span(&tool, 1));
+      ASSERT_TRUE(model) << model.error().message();
+      const std::string what = tool.id + ", material " + std::to_string(static_cast<int>(material));
+      Desk desk(*model, *block);
+      desk.press(at, 1, 2, tool.plunge_direction, reach);
+      double deepest = 0, along = 0, removed = 0, work = 0;
+      int pressed = 0, ticks = 0;
+      desk.run(6, [&] {
+        deepest = std::max(deepest, reach - desk.tip()[2]);
+        if (deepest > 1.9) return;  // at the depth it rubs
+        removed = desk.removed;
+        work = desk.work;
+        if (++ticks < 500) return;
+        along += desk.out.force.force[2];
+        ++pressed;
+      });
+      EXPECT_LE(beyondStraightHole(desk, tool, at, reach, deepest), 0.05) << what;
+      if (pressed > 500) {
+        EXPECT_NEAR(along / pressed, 1, 0.05) << what;
+      }
+      const double price = model->tools[0].drive.energy_factor /
+                           static_cast<double>(model->tissues[static_cast<std::size_t>(material)].inverse_energy);
+      const bool rubs_with_its_side = tool.id.starts_with("us-95");  // end-cutting burs
+      if (!isDrill(tool) && !rubs_with_its_side && removed > 0.02) {
+        EXPECT_NEAR(removed * price / work, 1, 0.1) << what;
+      }
+      ++runs;
+    }
+  }
+  EXPECT_GT(runs, 20);
+}
+
+// It is a hand all the same: pushed off its place it gives way.
+TEST(MouseHand, TheFingerRestPushesNoHarderThanTwiceTheForce) {
+  const auto block = someBlock();
+  MouseHand hand(std::shared_ptr<const BrickField>(block, &block->phi0()), upright({0, 0, 1}), 1);
+  MouseAim aim;
+  aim.is_pressed = true;
+  aim.force = 1;
+  hand.aim(aim);
+  hand.placed(upright({0, 0, 0.3}));
+  DeviceSample sample;
+  for (int n = 0; n < 1000; ++n) {  // against a wall 5 mm away from its place
+    sample = hand.read();
+    hand.write({Vec3d(5 - sample.T_world_device.translation[0], 0, 0), Vec3d::Zero()});
+  }
+  EXPECT_NEAR(sample.T_world_device.translation[0], -2, 0.01);
 }
 
 TEST(MouseHand, WhatIsHeldRemovesWhatTheLawSays) {
