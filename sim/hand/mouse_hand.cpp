@@ -123,7 +123,7 @@ DeviceSample MouseHand::send(bool is_pressed) noexcept {
   return out;
 }
 
-// A finger rest: stiff sideways.
+// A finger rest: stiff sideways. A guide is one of its own.
 void MouseHand::holdAtPlace(bool is_pressed) noexcept {
   const double early = CouplingSettings{}.running_damping / stiffness_;  // s
   const Vec3d was = tool_;
@@ -131,7 +131,7 @@ void MouseHand::holdAtPlace(bool is_pressed) noexcept {
   tool_ = (kTick * tool_ + early * was) / (kTick + early);
 
   Vec3d wanted = Vec3d::Zero();
-  if (is_pressed) wanted = -kFirm * (2 * tool_ - was - pose_.translation);
+  if (is_pressed && aim_.guide.isZero(0)) wanted = -kFirm * (2 * tool_ - was - pose_.translation);
   wanted -= axis_.dot(wanted) * axis_;
   const double most = kRestYields * std::max(kLeast, aim_.force) / stiffness_;
   if (const double size = wanted.norm(); size > most) wanted *= most / size;
