@@ -19,6 +19,7 @@ find_package(tl-expected CONFIG REQUIRED)
 # 3MF: a zip archive of XML. By pkg-config: libzip's CMake file also asks for its command line tools.
 pkg_check_modules(LIBZIP REQUIRED IMPORTED_TARGET libzip)
 pkg_check_modules(EXPAT REQUIRED IMPORTED_TARGET expat)
+pkg_check_modules(STB REQUIRED IMPORTED_TARGET stb)  # textures: JPEG, PNG
 pkg_check_modules(NETTLE REQUIRED IMPORTED_TARGET nettle)  # SHA-256
 find_package(ZLIB REQUIRED)
 pkg_check_modules(HWY REQUIRED IMPORTED_TARGET libhwy)

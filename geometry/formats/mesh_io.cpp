@@ -36,13 +36,38 @@ Expected<void> refuseForeign(const MeshSource& source) {
   if (is_zip && !source.hasExtension(".3mf"))
     return refuse("a zip archive", "unpack it first; if it is a 3Shape DCM file, export as STL or PLY instead");
 
-  if (text.starts_with("\x1f\x8b")) return refuse("a gzip archive", "unpack it first (gunzip)");
-  if (text.starts_with("7z\xbc\xaf\x27\x1c")) return refuse("a 7z archive", "unpack it first");
   if (text.substr(0, 132).ends_with("DICM") && text.size() >= 132)
     return refuse(
         "a DICOM image, one slice of a volume",
         "a recipe that takes the folder of the series (docs/reference/recipes.md), or export the surface as STL");
-  if (text.starts_with("glTF")) return refuse("a binary glTF file", "save it as PLY or STL");
+
+  constexpr const char* kSave = "save it as STL or PLY in the program that made it";
+  constexpr struct {
+    std::string_view begin, found;  // letters of any case
+    const char* hint;
+  } kForeign[] = {
+      {"\x1f\x8b", "a gzip archive", "unpack it first (gunzip)"},
+      {"7z\xbc\xaf\x27\x1c", "a 7z archive", "unpack it first"},
+      {"rar!", "a RAR archive", "unpack it first"},
+      {"version https://git-lfs", "a Git LFS pointer, not the file it stands for", "fetch the file: git lfs pull"},
+      {"<!doctype html", "a web page (HTML)", "download the file itself: the server sent a page instead"},
+      {"<html", "a web page (HTML)", "download the file itself: the server sent a page instead"},
+      {"iso-10303-21", "a STEP file: surfaces of CAD, no triangles", kSave},
+      {"gltf", "a binary glTF file", kSave},
+      {"kaydara fbx", "an FBX file", kSave},
+      {"; fbx", "an FBX file", kSave},
+      {"blender", "a Blender file", kSave},
+      {"#vrml", "a VRML file", kSave},
+      {"3d geometry file format", "a Rhino file", kSave},
+      {"%pdf", "a PDF file", "export the mesh itself"},
+      {"\x89png", "a PNG picture", "name the mesh beside it"},
+      {"\xff\xd8\xff", "a JPEG picture", "name the mesh beside it"},
+      {"<?xml", "an XML file, but no mesh Kerf reads", kSave},
+  };
+  const std::size_t first = std::min(start.find_first_not_of(" \t\r\n"), start.size());
+  for (const auto& foreign : kForeign)
+    if (internal::equalsIgnoringCase(start.substr(first, foreign.begin.size()), foreign.begin))
+      return refuse(std::string(foreign.found), foreign.hint);
   return {};
 }
 
@@ -61,30 +86,34 @@ Expected<void> refuseFarOff(const MeshSource& source, const Mesh& mesh) {
   return {};
 }
 
-Expected<MeshFile> readSource(const MeshSource& source, const Progress& progress) {
+Expected<MeshFile> readSource(MeshSource& source, const Progress& progress) {
+  const auto recognised = [&]() -> const MeshFormatRow* {
+    for (const MeshFormatRow& row : meshFormats())
+      if (row.recognise && row.recognise(source)) return &row;
+    return nullptr;
+  };
+  const MeshFormatRow* row = recognised();
+  std::string_view encoding;
+  if (!row && !(encoding = internal::decodeText(source)).empty()) row = recognised();
+
   const MeshFormatRow* by_name = formatOfExtension(source.extension());
-  for (const MeshFormatRow& row : meshFormats()) {
-    if (!row.recognise || !row.recognise(source)) continue;
-    Expected<MeshFile> file = row.read(source, progress);
-    if (file && file->format.empty()) file->format = row.name;
-    if (file && by_name != &row && !source.extension().empty())
-      file->notes.emplace_back("The extension \"" + source.extension() +
-                               "\" does not fit: by its content the file is " + std::string(row.name) +
-                               ", and was read as such.");
-    return file;
+  if (!row) {
+    KERF_CHECK(refuseForeign(source));
+    row = by_name;  // the reader that the extension names knows best what is missing
   }
+  if (!row || !row->read)
+    return fail(source.atByte(0, Error::Code::kUnsupported,
+                              "content of an unknown kind: " + internal::inQuotes(source.text().substr(0, 16)),
+                              "a mesh file (" + readableExtensions() + ")", "export the mesh as STL or PLY"));
 
-  KERF_CHECK(refuseForeign(source));
-
-  // Not recognised: the reader that the extension names knows best what is missing.
-  if (by_name && by_name->read) {
-    Expected<MeshFile> file = by_name->read(source, progress);
-    if (file && file->format.empty()) file->format = by_name->name;
-    return file;
-  }
-  return fail(source.atByte(0, Error::Code::kUnsupported,
-                            "content of an unknown kind: " + internal::inQuotes(source.text().substr(0, 16)),
-                            "a mesh file (" + readableExtensions() + ")", "export the mesh as STL or PLY"));
+  Expected<MeshFile> file = row->read(source, progress);
+  if (!file) return file;
+  if (file->format.empty()) file->format = row->name;
+  if (!encoding.empty()) file->notes.emplace_back(encoding);
+  if (by_name != row && !source.extension().empty())
+    file->notes.emplace_back("The extension \"" + source.extension() + "\" does not fit: by its content the file is " +
+                             std::string(row->name) + ", and was read as such.");
+  return file;
 }
 
 }  // namespace

@@ -39,13 +39,17 @@ struct MeshFile {
 ///   the others vertex order and count stay exactly as in the file, so labels and colours per vertex still fit.
 ///   3MF        the objects on the build plate, copies and components where the file puts them, in one mesh; within an
 ///              object the order stays. Mirrored copies are turned inside in again. Supports are left out.
-/// Polygons are triangulated: a fan where convex, else by ear clipping. Colours: PLY vertex and face (uchar), OBJ
-/// `v x y z r g b`, COFF vertices, OFF faces, 3MF colour groups and base materials (per
-/// triangle where a file colours whole triangles, else per vertex).
-/// Refused, never half-read: missing or unreadable file, no faces (point cloud), truncated or over-long data, values
-/// that are not finite, indices out of range, counts the file cannot hold, zip bombs and their like made of 3MF
-/// components, 3MF that requires an unknown extension, 3Shape DCM, other zip and gzip archives. Positions are doubles
-/// as the file says; ASCII PLY `float` is rounded to float32 as declared.
+/// Polygons are triangulated: a fan where convex, else by ear clipping; triangle strips of PLY become triangles.
+/// Colours: PLY vertex and face (bytes, shorts, reals), OBJ `v x y z r g b`, COFF vertices, OFF faces, STL attribute
+/// words (Magics, VisCAM), 3MF colour groups and base materials (per triangle where a file colours whole triangles,
+/// else per vertex). Where vertices have none: textures (JPEG, PNG) of OBJ and PLY become colours of vertices, `Kd`
+/// those of faces. Their files stand beside the mesh; one that is missing gets a note. Mended, with a note: a byte
+/// order mark, UTF-16, an ASCII STL without "endsolid" or with words after its keywords, a binary STL whose count is 0
+/// or -1 or that ends in zeros or blanks, colours that are not finite. Refused, never half-read: missing or unreadable
+/// file, no faces (point cloud), truncated or over-long data, coordinates that are not finite, indices out of range,
+/// counts the file cannot hold, zip bombs and their like made of 3MF components, 3MF that requires an unknown extension
+/// or is older than the standard, 3Shape DCM, other archives, web pages, STEP and other files by their kind. Positions
+/// are doubles as the file says; ASCII PLY `float` is rounded to float32 as declared.
 /// @cost  one read of the file; memory a small multiple of its size. 200 000 triangles: binary STL 20 ms, PLY 10, OBJ
 /// and OFF 35, ASCII STL 190, 3MF 220.
 /// @throws nothing.

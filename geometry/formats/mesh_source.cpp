@@ -42,7 +42,7 @@ Error MeshSource::atLine(const char* at, Error::Code code, std::string found, st
   return {code, file, "line " + std::to_string(line), std::move(found), std::move(expected), std::move(hint)};
 }
 
-Expected<MeshSource> loadMeshSource(const std::filesystem::path& path) {
+Expected<MeshSource> loadMeshSource(const std::filesystem::path& path, std::size_t limit) {
   MeshSource source;
   source.file = path.string();
   const auto refuse = [&](Error::Code code, std::string found, std::string hint) {
@@ -81,6 +81,9 @@ Expected<MeshSource> loadMeshSource(const std::filesystem::path& path) {
                               "export or copy it again; the copy may have been interrupted"));
 
   source.size = static_cast<std::size_t>(status.st_size);
+  if (source.size > limit)
+    return refuse(Error::Code::kUnreadable, std::to_string(source.size) + " bytes, more than " + std::to_string(limit),
+                  "reduce it first");
   source.bytes.reset(new (std::nothrow) char[source.size]);
   if (!source.bytes)
     return refuse(Error::Code::kUnreadable, std::to_string(source.size) + " bytes do not fit into memory",
@@ -96,6 +99,77 @@ Expected<MeshSource> loadMeshSource(const std::filesystem::path& path) {
     done += static_cast<std::size_t>(n);
   }
   return source;
+}
+
+namespace {
+
+void appendUtf8(std::uint32_t code, std::string& text) {
+  const auto tail = [&](int shift) { text += static_cast<char>(0x80 | ((code >> shift) & 0x3f)); };
+  if (code < 0x80) {
+    text += static_cast<char>(code);
+  } else if (code < 0x800) {
+    text += static_cast<char>(0xc0 | code >> 6);
+    tail(0);
+  } else if (code < 0x10000) {
+    text += static_cast<char>(0xe0 | code >> 12);
+    tail(6);
+    tail(0);
+  } else {
+    text += static_cast<char>(0xf0 | code >> 18);
+    tail(12);
+    tail(6);
+    tail(0);
+  }
+}
+
+// 0 or 1: which byte of a unit is the high one, by the byte order mark or by the zeros of plain letters. -1: no UTF-16.
+int highByteOfUtf16(std::string_view text) {
+  if (text.starts_with("\xff\xfe")) return 1;
+  if (text.starts_with("\xfe\xff")) return 0;
+  constexpr std::size_t kLetters = 8;
+  if (text.size() < 2 * kLetters) return -1;
+  for (const std::size_t high : {std::size_t{1}, std::size_t{0}}) {
+    bool all = true;
+    for (std::size_t i = 0; i < kLetters; ++i) {
+      const char letter = text[2 * i + 1 - high];
+      all = all && text[2 * i + high] == 0 && (isBlank(letter) || isLineEnd(letter) || (letter > 32 && letter < 127));
+    }
+    if (all) return static_cast<int>(high);
+  }
+  return -1;
+}
+
+}  // namespace
+
+std::string_view decodeText(MeshSource& source) {
+  const std::string_view text = source.text();
+  std::string decoded;
+  std::string_view note;
+  if (text.starts_with("\xef\xbb\xbf")) {
+    decoded = text.substr(3);
+    note = "The file begins with a byte order mark, which was skipped.";
+  } else if (const int high_byte = highByteOfUtf16(text); high_byte >= 0) {
+    const auto high = static_cast<std::size_t>(high_byte);
+    const auto unit = [&](std::size_t i) -> std::uint32_t {
+      const auto byte = [&](std::size_t at) { return std::uint32_t{static_cast<unsigned char>(text[at])}; };
+      return byte(2 * i + high) << 8 | byte(2 * i + 1 - high);
+    };
+    decoded.reserve(text.size() / 2);
+    for (std::size_t i = 0, end = text.size() / 2; i < end; ++i) {
+      std::uint32_t code = unit(i);
+      if (i == 0 && code == 0xfeff) continue;
+      const bool is_pair = code >= 0xd800 && code < 0xdc00 && i + 1 < end && (unit(i + 1) & 0xfc00) == 0xdc00;
+      if (is_pair) code = 0x10000 + ((code & 0x3ff) << 10 | (unit(++i) & 0x3ff));
+      appendUtf8(code, decoded);
+    }
+    note = "The text is in UTF-16 and was read as such.";
+  }
+  if (note.empty() || decoded.empty()) return {};
+
+  source.size = decoded.size();
+  source.bytes.reset(new char[source.size]);
+  std::copy(decoded.begin(), decoded.end(), source.bytes.get());
+  return note;
 }
 
 std::string inQuotes(std::string_view word) {
@@ -115,7 +189,7 @@ std::string inQuotes(std::string_view word) {
 
 bool equalsIgnoringCase(std::string_view a, std::string_view lower_case) {
   return a.size() == lower_case.size() && std::equal(a.begin(), a.end(), lower_case.begin(), [](char x, char y) {
-           return std::tolower(static_cast<unsigned char>(x)) == y;
+           return static_cast<char>(std::tolower(static_cast<unsigned char>(x))) == y;
          });
 }
 
@@ -196,6 +270,36 @@ std::string unitIn(std::string_view text) {
     i = end;
   }
   return {};
+}
+
+std::vector<Rgba8> NumericColors::finish(bool is_real, MeshFile& file) {
+  const auto scaleOf = [&](double largest) {
+    if (is_real && largest < 2) return 255.0;  // somewhat above 1 through rounding
+    return largest < 256 ? 1.0 : 255.0 / 65535;
+  };
+  double largest = 0, largest_alpha = 0;
+  for (const auto& [r, g, b, a] : values_) {
+    for (const double c : {r, g, b})
+      if (c > largest) largest = c;
+    if (a > largest_alpha) largest_alpha = a;
+  }
+  const std::array<double, 4> scale{scaleOf(largest), scaleOf(largest), scaleOf(largest), scaleOf(largest_alpha)};
+
+  std::size_t odd = 0;
+  std::vector<Rgba8> out(values_.size(), kNoColor);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    if (values_[i][3] < 0) continue;
+    if (!std::all_of(values_[i].begin(), values_[i].end(), [](double c) { return std::isfinite(c); })) {
+      ++odd;
+      continue;
+    }
+    for (std::size_t k = 0; k < 4; ++k)
+      out[i][k] = static_cast<std::uint8_t>(std::lround(std::clamp(scale[k] * values_[i][k], 0.0, 255.0)));
+  }
+  values_.clear();
+  if (odd > 0)
+    file.notes.emplace_back(std::to_string(odd) + " colours are not finite (NaN or infinite): grey instead.");
+  return out;
 }
 
 Expected<MeshFile> finished(const MeshSource& source, MeshFile file) {

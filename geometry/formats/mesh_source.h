@@ -30,7 +30,10 @@ struct MeshSource {
                std::string hint = {}) const;
 };
 
-Expected<MeshSource> loadMeshSource(const std::filesystem::path& path);
+/// @param limit  bytes; a longer file is refused unread.
+Expected<MeshSource> loadMeshSource(const std::filesystem::path& path, std::size_t limit = SIZE_MAX);
+/// Turns text in UTF-16 into UTF-8 and takes off a byte order mark. Returns a note on the change, empty without one.
+std::string_view decodeText(MeshSource& source);
 
 /// A word as it may stand in a message: quoted, at most 40 characters, unprintable bytes as \xNN.
 std::string inQuotes(std::string_view word);
@@ -88,6 +91,22 @@ std::string numberHint(std::string_view word);
 const char* parseCoordinate(std::string_view word, double& value, bool& is_double);
 /// "mm", "cm", "m", "um", "inch" if the text declares one ("units: mm", "UNIT=inch"), else empty.
 std::string unitIn(std::string_view text);
+
+/// Colour of an item to which a file gives none, or none that is a number.
+inline constexpr Rgba8 kNoColor{200, 200, 200, 255};
+/// Colours written as numbers. The largest of a file tells their scale: 1 (if real), 255 or 65535.
+class NumericColors {
+ public:
+  /// A negative alpha: no colour.
+  void add(const std::array<double, 4>& rgba) { values_.push_back(rgba); }
+  bool empty() const { return values_.empty(); }
+  std::size_t size() const { return values_.size(); }
+  /// Empties this. A colour that is not finite becomes kNoColor, with a note.
+  std::vector<Rgba8> finish(bool is_real, MeshFile& file);
+
+ private:
+  std::vector<std::array<double, 4>> values_;
+};
 
 /// Faces in the order of the file, corners not yet checked against the vertices (which may come later).
 struct Polygons {

@@ -7,8 +7,6 @@
 namespace kerf::internal {
 namespace {
 
-constexpr Rgba8 kNoColor{200, 200, 200, 255};
-
 struct Kind {
   bool texture = false, color = false, normal = false, four = false, any_dimension = false;
 };
@@ -51,6 +49,9 @@ class OffReader {
     std::string_view extra;
     if (nextLine(extra)) return bad(extra, inQuotes(extra) + " after the last face", "the end of the file");
     if (colors_skipped_) file_.notes.emplace_back("Colours given as an index into a colour table were not read.");
+    if (odd_colors_ > 0)
+      file_.notes.emplace_back(std::to_string(odd_colors_) +
+                               " colours are not finite (NaN or infinite): grey instead.");
     if (extra_values_) file_.notes.emplace_back("Additional values per vertex (normals or texture) were not read.");
 
     triangulate(polygons_, file_);
@@ -120,7 +121,7 @@ class OffReader {
   }
 
   // Integers 0..255, or numbers 0..1 when one of the words has a point or an exponent.
-  Expected<bool> parseColor(std::string_view line, const std::string_view* word, std::size_t n, Rgba8& color) const {
+  Expected<bool> parseColor(std::string_view line, const std::string_view* word, std::size_t n, Rgba8& color) {
     color = kNoColor;
     if (n < 3 || n > 4) return false;
     bool real = false;
@@ -128,8 +129,13 @@ class OffReader {
 
     for (std::size_t k = 0; k < n; ++k) {
       double value = 0;
-      if (const char* wrong = parseNumber(word[k], value))
-        return bad(line, inQuotes(word[k]) + ", " + wrong, "a colour", numberHint(word[k]));
+      const char* const wrong = parseNumber(word[k], value);
+      if (wrong && (equalsIgnoringCase(word[k], "nan") || equalsIgnoringCase(word[k], "-nan"))) {
+        color = kNoColor;
+        ++odd_colors_;
+        return true;
+      }
+      if (wrong) return bad(line, inQuotes(word[k]) + ", " + wrong, "a colour", numberHint(word[k]));
       if (real) value *= 255;
       if (value < 0 || value > 255.5) return bad(line, "colour " + inQuotes(word[k]), "0 to 255, or 0.0 to 1.0");
       color[k] = static_cast<std::uint8_t>(std::min(255l, std::lround(value)));
@@ -232,6 +238,7 @@ class OffReader {
   Kind kind_;
   std::size_t vertex_count_ = 0, face_count_ = 0;
   bool colors_skipped_ = false, extra_values_ = false;
+  std::size_t odd_colors_ = 0;
   Polygons polygons_;
   MeshFile file_;
 };

@@ -3,9 +3,10 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <optional>
 
-#include "geometry/formats/mesh_source.h"
+#include "geometry/formats/mesh_texture.h"
 
 namespace kerf::internal {
 namespace {
@@ -29,7 +30,12 @@ std::size_t sizeOf(Type type) {
 }
 
 // What a property means to us.
-enum class Role { kSkip, kX, kY, kZ, kRed, kGreen, kBlue, kAlpha, kCorners };
+enum class Role { kSkip, kX, kY, kZ, kRed, kGreen, kBlue, kAlpha, kU, kV, kPicture, kCorners, kStrip, kTexcoord };
+
+bool isColor(Role role) { return role >= Role::kRed && role <= Role::kAlpha; }
+bool isTexture(Role role) { return (role >= Role::kU && role <= Role::kPicture) || role == Role::kTexcoord; }
+bool isIndices(Role role) { return role == Role::kCorners || role == Role::kStrip; }
+bool isReal(Type type) { return type == Type::kFloat || type == Type::kDouble; }
 
 struct Property {
   std::string name;
@@ -43,6 +49,9 @@ struct Element {
   std::size_t count = 0;
   std::vector<Property> properties;
   const char* declared_at = nullptr;
+  bool colored = false;      // red, green and blue
+  bool plain_colors = true;  // each a byte
+  bool real_colors = false;
 
   bool has(Role role) const {
     return std::any_of(properties.begin(), properties.end(), [&](const Property& p) { return p.role == role; });
@@ -54,9 +63,14 @@ enum class Encoding { kAscii, kLittle, kBig };
 // One item of data as it is read, whatever the encoding.
 struct Item {
   Vec3d position = Vec3d::Zero();
-  Rgba8 color{0, 0, 0, 255};
-  std::vector<std::uint32_t> corners;
+  std::array<double, 4> color{0, 0, 0, 255};
+  std::array<double, 2> uv{};
+  double picture = 0;
+  std::vector<std::uint32_t> corners;  // of a strip: UINT32_MAX between two
+  std::vector<double> texcoord;        // u and v of each corner
 };
+
+constexpr std::uint32_t kNextStrip = 0xffffffffu;
 
 class PlyReader {
  public:
@@ -72,6 +86,7 @@ class PlyReader {
     }
 
     KERF_CHECK(checkEnd());
+    for (std::size_t k = 0; k < strip_triangles_.size(); k += 3) polygons_.add(&strip_triangles_[k], 3);
     for (std::size_t f = 0, c = 0; f < polygons_.sizes.size(); c += polygons_.sizes[f++])
       for (std::size_t k = 0; k < polygons_.sizes[f]; ++k)
         if (polygons_.corners[c + k] >= file_.mesh.vertices.size())
@@ -82,6 +97,11 @@ class PlyReader {
                        .expected = "0 to " + std::to_string(file_.mesh.vertices.size()) + " - 1",
                        .hint = kDamaged});
 
+    if (strips_ > 0) {
+      file_.notes.emplace_back(std::to_string(strips_) + " triangle strips were split into triangles.");
+      if (!polygons_.colors.empty()) polygons_.colors.resize(polygons_.sizes.size(), kNoColor);
+    }
+    paint();
     triangulate(polygons_, file_);
     return finished(source_, std::move(file_));
   }
@@ -123,6 +143,8 @@ class PlyReader {
           return badHeader(line, "format " + inQuotes(encoding), "ascii, binary_little_endian or binary_big_endian");
         }
       } else if (keyword == "comment" || keyword == "obj_info") {
+        Words comment = words;
+        if (equalsIgnoringCase(comment.next(), "texturefile")) pictures_.emplace_back(comment.rest());
         if (file_.declared_unit.empty()) file_.declared_unit = unitIn(words.rest());
       } else if (keyword == "element") {
         KERF_CHECK(readElement(line, words));
@@ -181,21 +203,26 @@ class PlyReader {
 
   static Role roleOf(const Element& element, const Property& property) {
     const bool is_vertex = element.name == "vertex", is_face = element.name == "face";
+    const std::string& name = property.name;
     if (property.count_type) {
-      const bool integer = property.type != Type::kFloat && property.type != Type::kDouble;
-      const bool corners = property.name == "vertex_indices" || property.name == "vertex_index";
-      return is_face && corners && integer ? Role::kCorners : Role::kSkip;
+      const bool corners = name == "vertex_indices" || name == "vertex_index";
+      if (corners && !isReal(property.type))
+        return is_face ? Role::kCorners : element.name == "tristrips" ? Role::kStrip : Role::kSkip;
+      return is_face && name == "texcoord" && isReal(property.type) ? Role::kTexcoord : Role::kSkip;
     }
     if (is_vertex) {
-      if (property.name == "x") return Role::kX;
-      if (property.name == "y") return Role::kY;
-      if (property.name == "z") return Role::kZ;
+      if (name == "x") return Role::kX;
+      if (name == "y") return Role::kY;
+      if (name == "z") return Role::kZ;
+      if (name == "s" || name == "u" || name == "texture_u") return Role::kU;
+      if (name == "t" || name == "v" || name == "texture_v") return Role::kV;
     }
-    if ((is_vertex || is_face) && property.type == Type::kUint8) {
-      if (property.name == "red" || property.name == "diffuse_red") return Role::kRed;
-      if (property.name == "green" || property.name == "diffuse_green") return Role::kGreen;
-      if (property.name == "blue" || property.name == "diffuse_blue") return Role::kBlue;
-      if (property.name == "alpha") return Role::kAlpha;
+    if (is_face && name == "texnumber") return Role::kPicture;
+    if (is_vertex || is_face) {
+      if (name == "red" || name == "diffuse_red") return Role::kRed;
+      if (name == "green" || name == "diffuse_green") return Role::kGreen;
+      if (name == "blue" || name == "diffuse_blue") return Role::kBlue;
+      if (name == "alpha") return Role::kAlpha;
     }
     return Role::kSkip;
   }
@@ -229,9 +256,8 @@ class PlyReader {
         ++faces;
         if (element.count > 0 && !element.has(Role::kCorners))
           return badHeader(at, "a face element without vertex_indices", "property list uchar int vertex_indices");
-      } else if (element.name == "tristrips" && element.count > 0) {
-        return fail(source_.atLine(element.declared_at, Error::Code::kUnsupported, "triangle strips",
-                                   "faces as property list vertex_indices", "export without triangle strips"));
+      } else if (element.name == "tristrips" && element.count > 0 && !element.has(Role::kStrip)) {
+        return badHeader(at, "triangle strips without vertex_indices", "property list int int vertex_indices");
       }
     }
 
@@ -246,12 +272,15 @@ class PlyReader {
     std::string list;
     for (Element& element : elements_) {
       const bool known = element.name == "vertex" || element.name == "face";
-      if (!known) list += (list.empty() ? "" : ", ") + element.name;
-      const bool colored = element.has(Role::kRed) && element.has(Role::kGreen) && element.has(Role::kBlue);
+      if (!known && !element.has(Role::kStrip)) list += (list.empty() ? "" : ", ") + element.name;
+      element.colored = element.has(Role::kRed) && element.has(Role::kGreen) && element.has(Role::kBlue);
       for (Property& p : element.properties) {
-        if (!colored &&
-            (p.role == Role::kRed || p.role == Role::kGreen || p.role == Role::kBlue || p.role == Role::kAlpha))
-          p.role = Role::kSkip;
+        if (isColor(p.role)) {
+          element.plain_colors = element.plain_colors && p.type == Type::kUint8;
+          element.real_colors = element.real_colors || isReal(p.type);
+          if (!element.colored) p.role = Role::kSkip;
+        }
+        if (isTexture(p.role) && pictures_.empty()) p.role = Role::kSkip;
         if (known && p.role == Role::kSkip) list += (list.empty() ? "" : ", ") + element.name + "." + p.name;
       }
     }
@@ -271,16 +300,19 @@ class PlyReader {
         item.position[2] = value;
         break;
       case Role::kRed:
-        item.color[0] = static_cast<std::uint8_t>(value);
-        break;
       case Role::kGreen:
-        item.color[1] = static_cast<std::uint8_t>(value);
-        break;
       case Role::kBlue:
-        item.color[2] = static_cast<std::uint8_t>(value);
-        break;
       case Role::kAlpha:
-        item.color[3] = static_cast<std::uint8_t>(value);
+        item.color[static_cast<std::size_t>(role) - static_cast<std::size_t>(Role::kRed)] = value;
+        break;
+      case Role::kU:
+        item.uv[0] = value;
+        break;
+      case Role::kV:
+        item.uv[1] = value;
+        break;
+      case Role::kPicture:
+        item.picture = value;
         break;
       default:
         break;
@@ -288,25 +320,83 @@ class PlyReader {
   }
 
   void reserve(const Element& element) {
-    const bool colored = element.has(Role::kRed);
     if (element.name == "vertex") {
       file_.mesh.vertices.reserve(element.count);
-      if (colored) file_.mesh.vertex_colors.reserve(element.count);
+      if (element.colored) file_.mesh.vertex_colors.reserve(element.count);
     } else if (element.name == "face") {
       polygons_.sizes.reserve(element.count);
       polygons_.corners.reserve(std::min(3 * element.count, (source_.size - data_) / 2));
-      if (colored) polygons_.colors.reserve(element.count);
+      if (element.colored) polygons_.colors.reserve(element.count);
     }
   }
 
-  void keep(const Element& element, const Item& item, bool colored) {
-    if (element.name == "vertex") {
+  void keep(const Element& element, const Item& item) {
+    const bool is_vertex = element.name == "vertex";
+    if (element.has(Role::kStrip)) return keepStrip(item.corners);
+    if (!is_vertex && element.name != "face") return;
+
+    if (is_vertex) {
       file_.mesh.vertices.push_back(item.position);
-      if (colored) file_.mesh.vertex_colors.push_back(item.color);
-    } else if (element.name == "face") {
+      if (element.has(Role::kU) && element.has(Role::kV)) vertex_uv_.push_back(item.uv);
+    } else {
       polygons_.add(item.corners.data(), item.corners.size());
-      if (colored) polygons_.colors.push_back(item.color);
+      if (!pictures_.empty()) {
+        face_picture_.push_back(item.picture);
+        if (element.has(Role::kTexcoord)) {
+          face_uv_.insert(face_uv_.end(), item.texcoord.begin(), item.texcoord.end());
+          face_uv_.resize(2 * polygons_.corners.size(), std::numeric_limits<double>::quiet_NaN());
+        }
+      }
     }
+    if (!element.colored) return;
+    if (element.plain_colors) {
+      Rgba8 color;
+      for (std::size_t k = 0; k < 4; ++k) color[k] = static_cast<std::uint8_t>(item.color[k]);
+      (is_vertex ? file_.mesh.vertex_colors : polygons_.colors).push_back(color);
+      return;
+    }
+    NumericColors& colors = is_vertex ? vertex_numbers_ : face_numbers_;
+    colors.add(item.color);
+    if (colors.size() == element.count)
+      (is_vertex ? file_.mesh.vertex_colors : polygons_.colors) = colors.finish(element.real_colors, file_);
+  }
+
+  // Every second triangle of a strip is turned. Repeated corners only stitch parts together.
+  void keepStrip(const std::vector<std::uint32_t>& corners) {
+    std::size_t begin = 0;
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      if (i == begin && corners[i] != kNextStrip) ++strips_;
+      if (corners[i] == kNextStrip) begin = i + 1;
+      if (i < begin + 2 || corners[i] == kNextStrip) continue;
+      const bool turned = (i - begin) % 2 == 1;
+      const std::uint32_t triangle[3] = {corners[i - 2 + turned], corners[i - 1 - turned], corners[i]};
+      if (triangle[0] != triangle[1] && triangle[1] != triangle[2] && triangle[2] != triangle[0])
+        strip_triangles_.insert(strip_triangles_.end(), triangle, triangle + 3);
+    }
+  }
+
+  // Colours from textures, where the vertices have none of their own.
+  void paint() {
+    if (pictures_.empty() || (vertex_uv_.empty() && face_uv_.empty())) return;
+    if (file_.mesh.hasVertexColors()) {
+      file_.notes.emplace_back("The texture was not read: the vertices have colours of their own.");
+      return;
+    }
+    TexturePainter painter(source_);
+    for (std::size_t f = 0, c = 0; f < face_picture_.size(); ++f) {
+      const double number = face_picture_[f];
+      const bool has_picture = number >= 0 && number < static_cast<double>(pictures_.size());
+      const auto* picture = has_picture ? painter.picture(pictures_[static_cast<std::size_t>(number)]) : nullptr;
+      for (const std::size_t end = c + polygons_.sizes[f]; c < end; ++c) {
+        const std::uint32_t v = polygons_.corners[c];
+        if (!picture) continue;
+        if (face_uv_.empty())
+          painter.paint(v, *picture, vertex_uv_[v][0], vertex_uv_[v][1]);
+        else
+          painter.paint(v, *picture, face_uv_[2 * c], face_uv_[2 * c + 1]);
+      }
+    }
+    painter.finish(file_);
   }
 
   bool goOn(std::size_t i) const {
@@ -316,16 +406,25 @@ class PlyReader {
 
   std::string itemName(std::size_t i) const { return current_->name + " " + std::to_string(i); }
 
-  Expected<void> corner(std::int64_t index, Item& item, const Error& where) const {
-    if (index < 0 || index > 0xffffffffll)
-      return fail({.code = Error::Code::kBadValue,
-                   .file = where.file,
-                   .place = where.place,
-                   .found = "vertex index " + std::to_string(index),
-                   .expected = "0 to the number of vertices - 1",
-                   .hint = kDamaged});
+  // `where` makes an error that says where.
+  template <class Where>
+  static Expected<void> corner(Role role, std::int64_t index, Item& item, const Where& where) {
+    if (role == Role::kStrip && index == -1) {
+      item.corners.push_back(kNextStrip);
+      return {};
+    }
+    if (index < 0 || index >= kNextStrip) return badIndex(index, where());
     item.corners.push_back(static_cast<std::uint32_t>(index));
     return {};
+  }
+
+  static Expected<void> badIndex(std::int64_t index, const Error& where) {
+    return fail({.code = Error::Code::kBadValue,
+                 .file = where.file,
+                 .place = where.place,
+                 .found = "vertex index " + std::to_string(index),
+                 .expected = "0 to the number of vertices - 1",
+                 .hint = kDamaged});
   }
 
   Expected<void> checkCorners(std::int64_t n, const Error& where) const {
@@ -341,7 +440,6 @@ class PlyReader {
   Expected<void> readAscii(const Element& element) {
     if (element.count == 0) return {};
     reserve(element);
-    const bool colored = element.has(Role::kRed);
     Lines lines(source_.text().substr(data_));
     std::string_view line;
     Item item;
@@ -358,13 +456,14 @@ class PlyReader {
       } while (word.empty());
       Words words(line);
       item.corners.clear();
+      item.texcoord.clear();
       for (const Property& p : element.properties) KERF_CHECK(readAsciiProperty(p, words, line, item));
 
       if (const std::string_view extra = words.next(); !extra.empty())
         return fail(source_.atLine(line.data(), Error::Code::kBadFormat,
                                    inQuotes(extra) + " after the last value of " + itemName(i), "the end of the line",
                                    kDamaged));
-      keep(element, item, colored);
+      keep(element, item);
     }
     data_ = static_cast<std::size_t>(lines.position() - source_.bytes.get());
     return {};
@@ -394,11 +493,13 @@ class PlyReader {
       const std::string_view word = words.next();
       std::int64_t index = 0;
       if (word.empty()) return wrongWord(word, "");
-      if (p.role != Role::kCorners) continue;
+      if (p.role == Role::kTexcoord) {
+        double value = 0;
+        item.texcoord.push_back(parseNumber(word, value) ? std::numeric_limits<double>::quiet_NaN() : value);
+      }
+      if (!isIndices(p.role)) continue;
       if (const char* wrong = parseInteger(word, index)) return wrongWord(word, wrong);
-      if (index < 0 || index > 0xffffffffll)
-        return corner(index, item, source_.atLine(line.data(), Error::Code::kBadValue, ""));
-      item.corners.push_back(static_cast<std::uint32_t>(index));
+      KERF_CHECK(corner(p.role, index, item, [&] { return source_.atLine(line.data(), Error::Code::kBadValue, ""); }));
     }
     return {};
   }
@@ -420,9 +521,16 @@ class PlyReader {
       if (!wrong && p.type == Type::kUint8 && (value < 0 || value > 255)) wrong = "outside 0 to 255";
       if (!wrong) store(p.role, static_cast<double>(value), item);
     }
+    if (wrong && mayBeOdd(p)) {
+      store(p.role, std::numeric_limits<double>::quiet_NaN(), item);
+      return {};
+    }
     if (wrong) return wrongWord(word, wrong);
     return {};
   }
+
+  // No position: a number that is not finite does no harm there.
+  static bool mayBeOdd(const Property& p) { return isReal(p.type) && (isColor(p.role) || isTexture(p.role)); }
 
   std::uint64_t bits(std::size_t at, std::size_t n) const {
     const auto* u = reinterpret_cast<const unsigned char*>(source_.bytes.get() + at);
@@ -453,7 +561,6 @@ class PlyReader {
   Expected<void> readBinary(const Element& element) {
     if (element.count == 0) return {};
     reserve(element);
-    const bool colored = element.has(Role::kRed);
     Item item;
     for (std::size_t i = 0; i < element.count; ++i) {
       if (!goOn(i)) return cancelled(source_);
@@ -463,13 +570,14 @@ class PlyReader {
                                    std::to_string(element.count) + " items of " + inQuotes(element.name), kDamaged));
       };
       item.corners.clear();
+      item.texcoord.clear();
       for (const Property& p : element.properties) {
         const std::size_t size = sizeOf(p.type);
         if (!p.count_type) {
           if (source_.size - data_ < size) return tooShort();
           if (p.role != Role::kSkip) {
             const double value = real(data_, p.type);
-            if (!std::isfinite(value))
+            if (!std::isfinite(value) && !mayBeOdd(p))
               return fail(source_.atByte(data_, Error::Code::kBadValue,
                                          inQuotes(p.name) + " of " + itemName(i) + " is not finite (NaN or infinite)",
                                          "a finite number", "repair the mesh in the program that wrote it"));
@@ -491,15 +599,16 @@ class PlyReader {
 
         data_ += sizeOf(*p.count_type);
         if (static_cast<std::uint64_t>(n) > (source_.size - data_) / size) return tooShort();
-        if (p.role == Role::kCorners)
-          for (std::size_t k = 0; k < static_cast<std::size_t>(n); ++k) {
-            const std::int64_t index = integer(data_ + k * size, p.type);
-            if (index < 0) return corner(index, item, source_.atByte(data_ + k * size, Error::Code::kBadValue, ""));
-            item.corners.push_back(static_cast<std::uint32_t>(index));
-          }
+        for (std::size_t k = 0; isIndices(p.role) && k < static_cast<std::size_t>(n); ++k) {
+          const std::size_t at = data_ + k * size;
+          KERF_CHECK(corner(p.role, integer(at, p.type), item,
+                            [&] { return source_.atByte(at, Error::Code::kBadValue, ""); }));
+        }
+        for (std::size_t k = 0; p.role == Role::kTexcoord && k < static_cast<std::size_t>(n); ++k)
+          item.texcoord.push_back(real(data_ + k * size, p.type));
         data_ += static_cast<std::size_t>(n) * size;
       }
-      keep(element, item, colored);
+      keep(element, item);
     }
     return {};
   }
@@ -527,6 +636,13 @@ class PlyReader {
   const Element* current_ = nullptr;
   std::size_t data_ = 0;  // offset of the data not read yet
   Polygons polygons_;
+  std::size_t strips_ = 0;
+  std::vector<std::uint32_t> strip_triangles_;
+  NumericColors vertex_numbers_, face_numbers_;
+  std::vector<std::string> pictures_;             // comments "TextureFile"
+  std::vector<std::array<double, 2>> vertex_uv_;  // empty or one per vertex
+  std::vector<double> face_uv_;                   // empty or u and v of each corner of polygons_
+  std::vector<double> face_picture_;              // with pictures_: which one
   MeshFile file_;
 };
 

@@ -1,4 +1,5 @@
 // STL. Binary: 80 bytes of header, uint32 count, 50 bytes per triangle. ASCII: solid / facet / vertex, any case.
+#include <algorithm>
 #include <bit>
 #include <cstring>
 
@@ -25,31 +26,102 @@ bool startsWithSolid(std::string_view text) {
   return equalsIgnoringCase(text.substr(i, 5), "solid");
 }
 
-Expected<MeshFile> readBinary(const MeshSource& source, const Progress& progress) {
+bool isPadding(char c) { return c == '\0' || c == '\x1a' || isBlank(c) || isLineEnd(c); }
+
+bool isPrintable(std::string_view text) {
+  return std::all_of(text.begin(), text.end(),
+                     [](char c) { return isBlank(c) || isLineEnd(c) || (c >= 32 && c < 127); });
+}
+
+// The number of facets, by the header and by the bytes behind it.
+Expected<std::size_t> countFacets(const MeshSource& source, MeshFile& file) {
   const char* hint = "the file is cut short or damaged; export or copy it again";
+  const std::string_view text = source.text();
+  if (isPrintable(text.substr(0, 512)))
+    return fail(source.atLine(text.data(), Error::Code::kBadFormat,
+                              "text that begins with " + inQuotes(text.substr(0, text.find_first_of("\r\n"))),
+                              "\"solid\", with which an ASCII STL begins",
+                              "check what the file is; export the mesh again"));
   if (source.size < kHeader)
     return fail(source.atByte(source.size, Error::Code::kBadFormat,
                               "the end of the file after " + std::to_string(source.size) + " bytes",
                               "at least 84 bytes of a binary STL", hint));
 
-  const std::size_t count = littleEndian32(&source.bytes[80]);
-  if (!hasBinarySize(source))
+  const std::size_t told = littleEndian32(&source.bytes[80]), room = (source.size - kHeader) / kRecord;
+  const std::size_t end = kHeader + kRecord * told;
+  if (told == 0 || told == 0xffffffffu)
+    if (room > 0 && source.size == kHeader + kRecord * room) {
+      file.notes.emplace_back("The header counts " + std::to_string(told) + " triangles; the " + std::to_string(room) +
+                              " behind it were read.");
+      return room;
+    }
+  if (end > source.size)
     return fail(source.atByte(
         80, Error::Code::kBadFormat,
-        "a count of " + std::to_string(count) + " triangles in a file of " + std::to_string(source.size) + " bytes",
-        "84 + 50 x count = " + std::to_string(kHeader + kRecord * count) + " bytes", hint));
+        "a count of " + std::to_string(told) + " triangles in a file of " + std::to_string(source.size) + " bytes",
+        "84 + 50 x count = " + std::to_string(end) + " bytes", hint));
 
+  const std::string_view rest = text.substr(end);
+  if (rest.empty()) return told;
+  const std::string found =
+      std::to_string(rest.size()) + " bytes after the last of " + std::to_string(told) + " triangles";
+  if (!std::all_of(rest.begin(), rest.end(), isPadding))
+    return fail(source.atByte(end, Error::Code::kBadFormat, found, "the end of the file",
+                              "the count in the header is too small, or something was appended: export it again"));
+  file.notes.emplace_back(found + " (zeros or blanks) were ignored.");
+  return told;
+}
+
+// Facet colours out of the attribute words: Materialise Magics, which names a colour of the whole in the header, and
+// VisCAM or SolidView.
+class StlColors {
+ public:
+  explicit StlColors(std::string_view header) {
+    const std::size_t at = header.find("COLOR=");
+    if (at == header.npos || at + 10 > header.size()) return;
+    is_magics_ = true;
+    for (std::size_t k = 0; k < 4; ++k) whole_[k] = static_cast<std::uint8_t>(header[at + 6 + k]);
+  }
+  void add(std::uint16_t word) { words_.push_back(word); }
+  void finish(MeshFile& file) const {
+    const auto isOwn = [&](std::uint16_t word) { return ((word & 0x8000u) != 0) != is_magics_; };
+    const auto set = words_.size() - static_cast<std::size_t>(std::count(words_.begin(), words_.end(), 0));
+    if (!is_magics_ && std::none_of(words_.begin(), words_.end(), isOwn)) {
+      if (set > 0)
+        file.notes.emplace_back(std::to_string(set) + " triangles carry an attribute word that is no colour.");
+      return;
+    }
+    file.mesh.face_colors.reserve(words_.size());
+    for (const std::uint16_t word : words_) {
+      const auto part = [&](int shift) { return static_cast<std::uint8_t>((((word >> shift) & 31) * 255 + 15) / 31); };
+      const bool takes_whole = is_magics_ && set == 0;  // the words were never filled in
+      if (!isOwn(word) || takes_whole)
+        file.mesh.face_colors.push_back(is_magics_ ? whole_ : kNoColor);
+      else
+        file.mesh.face_colors.push_back(is_magics_ ? Rgba8{part(0), part(5), part(10), 255}
+                                                   : Rgba8{part(10), part(5), part(0), 255});
+    }
+  }
+
+ private:
+  bool is_magics_ = false;
+  Rgba8 whole_ = kNoColor;
+  std::vector<std::uint16_t> words_;
+};
+
+Expected<MeshFile> readBinary(const MeshSource& source, const Progress& progress) {
+  MeshFile file;
+  KERF_TRY(count, countFacets(source, file));
   if (count >= 0xffffffffu / 3)
     return fail(source.atByte(80, Error::Code::kUnsupported, std::to_string(count) + " triangles",
                               "fewer than 1.4 thousand million", "reduce the mesh first"));
-  MeshFile file;
   file.format = "binary STL";
   file.declared_unit = unitIn(source.text().substr(0, 80));
   file.unwelded_vertices = 3 * count;
   file.mesh.triangles.reserve(count);
   ExactWelder welder(count / 2 + 16);  // a closed surface has half as many vertices as triangles
 
-  std::size_t coloured = 0;
+  StlColors colors(source.text().substr(0, 80));
   for (std::size_t t = 0; t < count; ++t) {
     if (t % 65536 == 0 && !report(progress, static_cast<double>(t) / static_cast<double>(count), "reading STL"))
       return cancelled(source);
@@ -71,14 +143,12 @@ Expected<MeshFile> readBinary(const MeshSource& source, const Progress& progress
       triangle[k] = welder.add(p);
     }
 
-    if (record[48] != 0 || record[49] != 0) ++coloured;
+    colors.add(static_cast<std::uint16_t>(littleEndian32(record + 46) >> 16));
     file.mesh.triangles.push_back(triangle);
   }
 
   file.mesh.vertices = std::move(welder.vertices);
-  if (coloured > 0)
-    file.notes.emplace_back(std::to_string(coloured) +
-                            " triangles carry an attribute word (some programs store a colour there); it was ignored.");
+  colors.finish(file);
   if (startsWithSolid(source.text().substr(0, 80)))
     file.notes.emplace_back("The header begins with \"solid\" although the file is binary; read as binary.");
   return finished(source, std::move(file));
@@ -108,6 +178,10 @@ class AsciiReader {
 
     file_.unwelded_vertices = 3 * file_.mesh.triangles.size();
     file_.mesh.vertices = std::move(welder_.vertices);
+    if (lacks_end_) file_.notes.emplace_back("\"endsolid\" is missing: check that the file is complete.");
+    if (odd_words_ > 0)
+      file_.notes.emplace_back("Words that do not belong to STL were skipped, in " + std::to_string(odd_words_) +
+                               (odd_words_ == 1 ? " place." : " places."));
     if (solids > 1) file_.notes.emplace_back(std::to_string(solids) + " solids were read into one mesh.");
     return finished(source_, std::move(file_));
   }
@@ -132,17 +206,40 @@ class AsciiReader {
       return fail(source_.atLine(end_, Error::Code::kBadFormat, "the end of the file", std::move(expected), hint()));
     return fail(source_.atLine(word.data(), Error::Code::kBadFormat, inQuotes(word), std::move(expected), hint()));
   }
-  Expected<void> keyword(std::string_view expected) {
+  // The next keyword. Words before it that stand in the line of the last one are skipped, but no numbers: a corner
+  // might have been meant.
+  std::string_view nextKeyword(bool skips_numbers = false) {
+    const char* const last = p_;
     const std::string_view word = next();
+    const bool same_line = std::none_of(last, word.data(), isLineEnd);
+    constexpr std::string_view kKeywords[] = {"solid",  "facet",   "normal",   "outer",   "loop",
+                                              "vertex", "endloop", "endfacet", "endsolid"};
+    const auto isWord = [&](std::string_view known) { return equalsIgnoringCase(word, known); };
+    constexpr std::string_view kNumber = "+-.0123456789";
+    if (word.empty() || !same_line || std::any_of(std::begin(kKeywords), std::end(kKeywords), isWord) ||
+        (!skips_numbers && kNumber.find(word[0]) != kNumber.npos))
+      return word;
+    ++odd_words_;
+    restOfLine();
+    return next();
+  }
+  Expected<void> keyword(std::string_view expected) {
+    const std::string_view word = nextKeyword();
     if (equalsIgnoringCase(word, expected)) return {};
     return unexpected(word, inQuotes(expected));
   }
 
   Expected<void> readSolid() {
     for (;;) {
-      const std::string_view word = next();
+      const std::string_view word = nextKeyword(true);
       if (equalsIgnoringCase(word, "endsolid")) {
         restOfLine();
+        return {};
+      }
+      // A solid ends where the next one begins, or with the file.
+      if ((word.empty() && !file_.mesh.triangles.empty()) || equalsIgnoringCase(word, "solid")) {
+        lacks_end_ = true;
+        p_ -= word.size();
         return {};
       }
       if (!equalsIgnoringCase(word, "facet")) return unexpected(word, "\"facet\" or \"endsolid\"");
@@ -186,6 +283,8 @@ class AsciiReader {
   const Progress& progress_;
   const char *p_, *end_;
   ExactWelder welder_;
+  bool lacks_end_ = false;
+  std::size_t odd_words_ = 0;
   MeshFile file_;
 };
 

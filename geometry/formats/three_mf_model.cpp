@@ -9,6 +9,7 @@ namespace kerf::internal {
 namespace {
 
 constexpr std::string_view kCore = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02";
+constexpr std::string_view kDraft = "http://schemas.microsoft.com/3dmanufacturing/2013/01";
 constexpr std::string_view kMaterials = "http://schemas.microsoft.com/3dmanufacturing/material/2015/02";
 constexpr std::string_view kProduction = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06";
 constexpr std::string_view kProductionPath = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06 path";
@@ -89,6 +90,9 @@ struct ThreeMfModelParser::State : XmlParser::Handler {
     switch (parent) {
       case Node::kDocument:
         if (core && local == "model") return model(a);
+        if (local == "model" && name.name_space == kDraft)
+          return fail(xml.here(Error::Code::kUnsupported, "a 3MF of 2013, older than the standard",
+                               "3MF of 2015 or later", "export it again with a newer program, or as STL or PLY"));
         return fail(xml.here(Error::Code::kBadFormat,
                              "the XML element " + inQuotes(local) + " of " + shown(name.name_space),
                              "\"model\" of " + shown(kCore), kDamagedModel));
@@ -345,7 +349,7 @@ struct ThreeMfModelParser::State : XmlParser::Handler {
     return Node::kLeaf;
   }
 
-  static constexpr std::array<Rgba8, 3> kUncolored{kThreeMfNoColor, kThreeMfNoColor, kThreeMfNoColor};
+  static constexpr std::array<Rgba8, 3> kUncolored{kNoColor, kNoColor, kNoColor};
 
   bool is_root;
   ThreeMfModel out;

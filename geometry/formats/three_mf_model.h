@@ -32,8 +32,6 @@ struct ThreeMfObject {
   std::vector<ThreeMfPlacement> components;         ///< of objects before this one, or in other parts
 };
 
-inline constexpr Rgba8 kThreeMfNoColor{200, 200, 200, 255};
-
 struct ThreeMfModel {
   std::string unit = "millimeter";
   bool had_double_coordinates = false;

@@ -253,7 +253,7 @@ class ThreeMfReader {
     }
 
     std::vector<char> known(mesh.vertices.size(), 0), differs(mesh.vertices.size(), 0);
-    mesh.vertex_colors.assign(mesh.vertices.size(), kThreeMfNoColor);
+    mesh.vertex_colors.assign(mesh.vertices.size(), kNoColor);
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
       for (std::size_t k = 0; k < 3; ++k) {
         const std::uint32_t v = mesh.triangles[t][k];
@@ -269,7 +269,7 @@ class ThreeMfReader {
                                " vertices have another colour in every triangle; the first one was taken.");
   }
 
-  static constexpr std::array<Rgba8, 3> kUncolored{kThreeMfNoColor, kThreeMfNoColor, kThreeMfNoColor};
+  static constexpr std::array<Rgba8, 3> kUncolored{kNoColor, kNoColor, kNoColor};
 
   const MeshSource& source_;
   const Progress& progress_;
