@@ -97,16 +97,21 @@ void creditUnitToRecipe(CaseManifest& manifest) {
 struct LabelObject {
   std::shared_ptr<const SmoothLabels> labels;
   Mesh surface;
+  std::string cut;  // textOfCutLabels()
 };
 
-Expected<SmoothLabels> smoothLabels(const CaseRecipe& recipe, const fs::path& path, const LabelVolume& volume,
-                                    const Progress& progress) {
+std::vector<std::uint16_t> labelsOf(const CaseRecipe& recipe) {
   std::vector<std::uint16_t> wanted;
   for (const RecipePart& p : recipe.parts)
     if (p.label && std::find(wanted.begin(), wanted.end(), *p.label) == wanted.end()) wanted.push_back(*p.label);
+  return wanted;
+}
+
+Expected<SmoothLabels> smoothLabels(const CaseRecipe& recipe, const fs::path& path, const LabelVolume& volume,
+                                    const Progress& progress) {
   SmoothLabelOptions options;
   if (recipe.labels->smoothing_voxels) options.smoothing_voxels = *recipe.labels->smoothing_voxels;
-  auto smoothed = SmoothLabels::create(volume, wanted, options, progress);
+  auto smoothed = SmoothLabels::create(volume, labelsOf(recipe), options, progress);
   if (!smoothed && smoothed.error().file.empty()) smoothed.error().file = path.string();
   return smoothed;
 }
@@ -135,6 +140,7 @@ Expected<LabelObject> readLabels(const CaseRecipe& recipe, const std::string& ha
   object.labels = std::make_shared<const SmoothLabels>(std::move(smoothed));
   KERF_TRY(surface, object.labels->surface());
   object.surface = std::move(surface);
+  object.cut = textOfCutLabels(volume, labelsOf(recipe));
 
   KERF_TRY(source, internal::storeSource(path, volume.format, hash, case_folder, out.manifest));
   source->unit = "mm";
@@ -288,6 +294,8 @@ Expected<BakeReport> bakeRecipe(const fs::path& recipe_file, const fs::path& cas
   job.report.times.read = job.watch.lap();
 
   KERF_TRY(solids, closeParts(files, meshes, job));
+  if (!labels.cut.empty())
+    solids.warnings.push_back("labels touch the faces of their volume, where they are cut off flat: " + labels.cut);
   KERF_TRY(solid, uniteParts(outlineOf(recipe, files, solids, labels), solids, job));
   internal::finishClosing(checks, job);
 

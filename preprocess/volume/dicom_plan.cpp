@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <set>
 
 #include "preprocess/volume/volume_plan.h"
@@ -40,7 +41,7 @@ Expected<std::vector<Slice>> readSlices(const fs::path& folder, const std::vecto
   if (slices.empty())
     return fail({.code = Error::Code::kUnsupported,
                  .file = folder.string(),
-                 .found = "no slices",
+                 .found = "no slices" + textOfSliceFolders(folder),
                  .expected = "a DICOM series, or .png, .tif or .bmp slices",
                  .hint = "the folder that holds the slices themselves"});
   if (series.size() > 1) {
@@ -88,17 +89,24 @@ Expected<void> stackSlices(std::vector<Slice>& slices) {
     return a.height != b.height ? a.height < b.height : a.path < b.path;
   });
 
+  // The lower median of what is above zero: a missing slice widens one gap, not the step.
   const auto last = slices.size() - 1;
-  const double step = (slices[last].height - slices[0].height) / static_cast<double>(last);
+  std::vector<double> gaps, steps;
+  for (std::size_t i = 0; i < last; ++i) gaps.push_back(slices[i + 1].height - slices[i].height);
+  std::copy_if(gaps.begin(), gaps.end(), std::back_inserter(steps), [](double gap) { return gap > 1e-4; });
+  std::sort(steps.begin(), steps.end());
+  const double step = steps.empty() ? 0 : steps[(steps.size() - 1) / 2];
   for (std::size_t i = 0; i < last; ++i) {
-    const double gap = slices[i + 1].height - slices[i].height;
     // Positions are decimal strings, rounded: 2 % of a step is far above that and far below a missing slice.
-    if (!(std::abs(gap - step) <= 0.02 * step + 1e-3) || !(gap > 1e-4))
-      return fail({.code = Error::Code::kBadValue,
-                   .file = slices[i + 1].path.string(),
-                   .found = fmt::format("{:.4g} mm above {}", gap, slices[i].path.filename().string()),
-                   .expected = fmt::format("evenly spaced slices, {:.4g} mm apart", step),
-                   .hint = "export the series again: a slice is missing or there twice"});
+    if (std::abs(gaps[i] - step) <= 0.02 * step + 1e-3 && gaps[i] > 1e-4) continue;
+    const double missing = step > 1e-4 ? std::round(gaps[i] / step) - 1 : 0;
+    const bool is_whole = missing >= 1 && std::abs(gaps[i] - (missing + 1) * step) <= 0.02 * step + 1e-3;
+    return fail({.code = Error::Code::kBadValue,
+                 .file = slices[i + 1].path.string(),
+                 .found = fmt::format("{:.4g} mm above {}", gaps[i], slices[i].path.filename().string()) +
+                          (is_whole ? fmt::format(": {:.0f} missing between them", missing) : std::string()),
+                 .expected = fmt::format("evenly spaced slices, {:.4g} mm apart", step),
+                 .hint = "export the series again: a slice is missing or there twice"});
   }
   return {};
 }

@@ -51,7 +51,7 @@ double restless(const LabelVolume& v) {
 struct Values {
   std::optional<double> threshold;
   std::vector<char> seen = std::vector<char>(65536, 0);
-  double highest = -std::numeric_limits<double>::infinity();
+  double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
 };
 
 template <class T>
@@ -63,6 +63,7 @@ Expected<void> toLabels(const fs::path& path, const LabelVolume& grid, const std
     if (values.threshold) {
       out[i] = static_cast<double>(v) >= *values.threshold ? 1 : 0;  // not a number: 0
       if (static_cast<double>(v) > values.highest) values.highest = static_cast<double>(v);
+      if (static_cast<double>(v) < values.lowest) values.lowest = static_cast<double>(v);
       continue;
     }
 
@@ -228,22 +229,16 @@ std::vector<LabelCount> countLabels(const LabelVolume& volume) {
   return out;
 }
 
-Expected<LabelVolume> readLabelVolume(const fs::path& path, const LabelReadOptions& options, const Progress& progress) {
-  if (options.threshold && !std::isfinite(*options.threshold))
-    return fail({.code = Error::Code::kBadValue,
-                 .file = path.string(),
-                 .place = "threshold",
-                 .found = "not a finite number",
-                 .expected = "a number"});
+namespace {
 
+Expected<LabelVolume> readValues(const fs::path& path, const LabelReadOptions& options, const Progress& progress,
+                                 Values& values) {
   KERF_TRY(plan, internal::planVolume(path, options, progress));
   KERF_CHECK(internal::chooseSpacing(path, options, plan));
   KERF_CHECK(checkMemory(path, options, plan));
 
   LabelVolume volume = std::move(plan.grid);
   volume.format = internal::nameOf(plan.format);
-  Values values;
-  values.threshold = options.threshold;
   try {
     KERF_CHECK(readLabels(path, plan, progress, volume, values));
   } catch (const std::bad_alloc&) {
@@ -253,8 +248,96 @@ Expected<LabelVolume> readLabelVolume(const fs::path& path, const LabelReadOptio
                  .expected = "a smaller volume",
                  .hint = "crop the volume to the jaw"});
   }
-  KERF_CHECK(requireLabels(path, volume, values));
   return volume;
+}
+
+}  // namespace
+
+Expected<LabelVolume> readLabelVolume(const fs::path& path, const LabelReadOptions& options, const Progress& progress) {
+  if (options.threshold && !std::isfinite(*options.threshold))
+    return fail({.code = Error::Code::kBadValue,
+                 .file = path.string(),
+                 .place = "threshold",
+                 .found = "not a finite number",
+                 .expected = "a number"});
+
+  Values values;
+  values.threshold = options.threshold;
+  KERF_TRY(volume, readValues(path, options, progress, values));
+  KERF_CHECK(requireLabels(path, volume, values));
+  return std::move(volume);
+}
+
+Expected<VolumeSummary> summariseVolume(const fs::path& path, const LabelReadOptions& options,
+                                        const Progress& progress) {
+  Values values;
+  values.threshold = std::numeric_limits<double>::infinity();  // no label
+  KERF_TRY(grid, readValues(path, options, progress, values));
+  grid.slices.clear();
+  return VolumeSummary{std::move(grid), values.lowest, values.highest};
+}
+
+std::string textOfSliceFolders(const fs::path& folder) {
+  constexpr std::size_t kMostFiles = 20000, kMostNamed = 8;
+  constexpr int kDeepest = 3;
+  std::vector<std::pair<std::string, std::size_t>> found;
+  std::error_code ec;
+  std::size_t seen = 0;
+  for (fs::recursive_directory_iterator at(folder, fs::directory_options::skip_permission_denied, ec), end;
+       !ec && at != end && seen < kMostFiles; at.increment(ec)) {
+    if (at.depth() >= kDeepest) at.disable_recursion_pending();
+    if (!at->is_directory(ec)) continue;
+    const auto files = internal::filesOf(at->path());
+    if (!files) continue;
+    seen += 1 + files->size();
+    const auto slices = static_cast<std::size_t>(std::count_if(files->begin(), files->end(), [](const fs::path& f) {
+      return internal::sliceFormat(f).has_value() || internal::hasDicomMark(f);
+    }));
+    if (slices > 0) found.emplace_back(at->path().lexically_relative(folder).string(), slices);
+  }
+
+  std::sort(found.begin(), found.end());
+  std::string text;
+  for (std::size_t n = 0; n < std::min(found.size(), kMostNamed); ++n)
+    text += fmt::format("{}{} ({} slice{})", n == 0 ? ", but in its sub-folders: " : ", ", found[n].first,
+                        found[n].second, found[n].second == 1 ? "" : "s");
+  if (found.size() > kMostNamed) text += fmt::format(" and {} more", found.size() - kMostNamed);
+  return text;
+}
+
+std::string textOfCutLabels(const LabelVolume& volume, std::span<const std::uint16_t> wanted) {
+  std::vector<std::array<bool, 6>> touches(65536);
+  std::vector<std::uint16_t> labels;
+  const auto touch = [&](std::uint16_t label, std::size_t face) {
+    if (label == 0) return;
+    if (touches[label] == std::array<bool, 6>{}) labels.push_back(label);
+    touches[label][face] = true;
+  };
+  const auto [nx, ny, nz] = volume.size;
+  for (int k = 0; k < static_cast<int>(volume.slices.size()); ++k)
+    for (int j = 0; j < ny; ++j) {
+      touch(volume.at(0, j, k), 0);
+      touch(volume.at(nx - 1, j, k), 1);
+      for (int i = 0; i < nx && (j == 0 || j == ny - 1 || k == 0 || k == nz - 1); ++i) {
+        const std::uint16_t label = volume.at(i, j, k);
+        if (j == 0) touch(label, 2);
+        if (j == ny - 1) touch(label, 3);
+        if (k == 0) touch(label, 4);
+        if (k == nz - 1) touch(label, 5);
+      }
+    }
+
+  constexpr const char* kFaces[] = {"x low", "x high", "y low", "y high", "z low", "z high"};
+  std::sort(labels.begin(), labels.end());
+  std::string text;
+  for (const std::uint16_t label : labels) {
+    if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), label) == wanted.end()) continue;
+    std::string faces;
+    for (std::size_t f = 0; f < 6; ++f)
+      if (touches[label][f]) faces += (faces.empty() ? "" : ", ") + std::string(kFaces[f]);
+    text += fmt::format("{}label {} ({})", text.empty() ? "" : ", ", label, faces);
+  }
+  return text;
 }
 
 Expected<std::vector<fs::path>> filesOfVolume(const fs::path& path) {

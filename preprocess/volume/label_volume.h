@@ -88,6 +88,23 @@ struct LabelReadOptions {
 Expected<LabelVolume> readLabelVolume(const std::filesystem::path& path, const LabelReadOptions& options = {},
                                       const Progress& progress = {});
 
+/// What a volume holds whose values need not be labels.
+struct VolumeSummary {
+  LabelVolume grid;  ///< without labels
+  double lowest = 0, highest = 0;
+};
+/// Reads all values for their range. Errors: as readLabelVolume(), but for values that are no labels.
+Expected<VolumeSummary> summariseVolume(const std::filesystem::path& path, const LabelReadOptions& options = {},
+                                        const Progress& progress = {});
+
+/// ", but in its sub-folders: CT/axial (120 slices), CT/scout (1 slice)": those that hold slices, down to four levels;
+/// empty if there is none. @return for messages.
+std::string textOfSliceFolders(const std::filesystem::path& folder);
+
+/// "label 3 (x low, z high)": which of the labels touch faces of their volume, where their surface is cut off flat.
+/// @param labels  empty: all.   Empty text: none does.
+std::string textOfCutLabels(const LabelVolume& volume, std::span<const std::uint16_t> labels = {});
+
 /// The files a volume in a file is made of: itself, and after it the raw file that a `.mhd` names. Any other file:
 /// itself.
 Expected<std::vector<std::filesystem::path>> filesOfVolume(const std::filesystem::path& path);

@@ -123,9 +123,9 @@ Expected<json> toolInfo(const fs::path& file) {
 }
 
 /// @param missing  why there is no spacing; empty: there is one.
-json volumeInfo(const LabelVolume& v, const std::string& missing) {
+json gridInfo(const LabelVolume& v, const char* kind, const std::string& missing) {
   const auto list = [](const Vec3d& p) { return json{p[0], p[1], p[2]}; };
-  json j{{"kind", "label volume"},
+  json j{{"kind", kind},
          {"format", v.format},
          {"size", v.size},
          {"spacing_mm", missing.empty() ? list(v.spacing) : json(nullptr)},
@@ -135,13 +135,47 @@ json volumeInfo(const LabelVolume& v, const std::string& missing) {
     j["notes"] = {missing +
                   ": the file states no usable spacing, so there are no lengths and volumes; a recipe gives it "
                   "as `spacing = [x, y, z]` in mm"};
+  return j;
+}
 
+json volumeInfo(const LabelVolume& v, const std::string& missing) {
+  json j = gridInfo(v, "label volume", missing);
   for (const LabelCount& c : countLabels(v)) {
     json label{{"label", c.label}, {"voxels", c.voxels}};
     if (missing.empty()) label["volume_mm3"] = static_cast<double>(c.voxels) * v.voxelVolume();
     j["labels"].push_back(label);
   }
+  if (const std::string cut = textOfCutLabels(v); !cut.empty())
+    j["warnings"] = {"labels touch the faces of the volume, where their surfaces are cut off flat: " + cut};
   return j;
+}
+
+// Intensities: grid and range of values. `why`: the error of reading them as labels.
+Expected<json> intensityInfo(const fs::path& path, const LabelReadOptions& options, const std::string& missing,
+                             const Error& why) {
+  const auto summary = summariseVolume(path, options);
+  if (!summary) return fail(why);
+  json j = gridInfo(summary->grid, "intensity volume", missing);
+  j["lowest_value"] = summary->lowest;
+  j["highest_value"] = summary->highest;
+  j["notes"].push_back(why.found + "; " + why.hint);
+  return j;
+}
+
+Expected<json> labelVolumeInfo(const fs::path& path) {
+  const auto volume = readLabelVolume(path);
+  if (volume) return volumeInfo(*volume, "");
+  const auto isOfSpacing = [](const Error& error) { return error.place == "spacing"; };
+  const bool has_spacing = !isOfSpacing(volume.error());
+  if (has_spacing) return intensityInfo(path, {}, "", volume.error());
+
+  // Without a spacing the labels can be counted all the same. A file that is damaged is named for that: no spacing
+  // mends it.
+  const LabelReadOptions ones{.spacing_mm = Vec3d::Ones()};
+  const auto unplaced = readLabelVolume(path, ones);
+  if (unplaced) return volumeInfo(*unplaced, volume.error().found);
+  if (!isOfSpacing(unplaced.error())) return intensityInfo(path, ones, volume.error().found, unplaced.error());
+  return fail(volume.error());
 }
 
 Expected<json> infoOf(const std::string& what) {
@@ -149,20 +183,14 @@ Expected<json> infoOf(const std::string& what) {
   std::error_code ignored;
   if (isCase(path)) return caseInfo(path);
 
-  if (isLabelVolume(path)) {
-    const auto volume = readLabelVolume(path);
-    if (volume) return volumeInfo(*volume, "");
-    const auto isOfSpacing = [](const Error& error) { return error.place == "spacing"; };
-    if (!isOfSpacing(volume.error())) return fail(volume.error());
-
-    // Without a spacing the labels can be counted all the same. A file that is damaged is named for that: no spacing
-    // mends it.
-    const auto unplaced = readLabelVolume(path, {.spacing_mm = Vec3d::Ones()});
-    if (unplaced) return volumeInfo(*unplaced, volume.error().found);
-    if (!isOfSpacing(unplaced.error())) return fail(unplaced.error());
-    return fail(volume.error());
-  }
-
+  if (isLabelVolume(path)) return labelVolumeInfo(path);
+  if (fs::is_directory(path, ignored))
+    if (const std::string folders = textOfSliceFolders(path); !folders.empty())
+      return fail({.code = Error::Code::kUnsupported,
+                   .file = what,
+                   .found = "no slices" + folders,
+                   .expected = "a folder that holds the slices of one series",
+                   .hint = "name one of these folders"});
   if (fs::exists(path, ignored)) return path.extension() == ".toml" ? toolInfo(path) : meshInfo(path);
   // No such path: perhaps a tool's id.
   if (const auto tool = findToolFile(what, defaultToolFolders())) return toolInfo(*tool);

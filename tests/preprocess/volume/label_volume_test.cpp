@@ -104,6 +104,49 @@ TEST(LabelVolume, DicomSeriesWithAMissingSliceOrASecondSeriesIsRefused) {
   expectRefusal(readLabelVolume(folder.path()), "2 series");
 }
 
+TEST(LabelVolume, AMissingSliceIsNamedBetweenItsNeighbours) {
+  for (const auto& [missing, count] : {std::pair{1, 10}, {2, 10}, {8, 10}, {1, 4}, {2, 4}}) {
+    const TemporaryFolder folder;
+    for (int k = 0; k < count; ++k)
+      if (k != missing) folder.write(fmt::format("s{}.dcm", k), dicomSlice(countingLabels().substr(0, 12), 2.0 * k));
+    const auto v = readLabelVolume(folder.path());
+    ASSERT_FALSE(v);
+    EXPECT_TRUE(v.error().file.ends_with(fmt::format("s{}.dcm", missing + 1))) << v.error().message();
+    EXPECT_EQ(v.error().found, fmt::format("4 mm above s{}.dcm: 1 missing between them", missing - 1));
+    EXPECT_EQ(v.error().expected, "evenly spaced slices, 2 mm apart");
+  }
+}
+
+TEST(LabelVolume, AFolderOfFoldersNamesThoseThatHoldSlices) {
+  const TemporaryFolder folder;
+  const auto slice = [&](const std::string& name, double z) {
+    std::filesystem::create_directories((folder.path() / name).parent_path());
+    folder.write(name, dicomSlice(countingLabels().substr(0, 12), z));
+  };
+  slice("study/axial/a", 0);
+  slice("study/axial/b", 2);
+  slice("scout/a", 0);
+  std::filesystem::create_directory(folder.path() / "notes");
+  expectRefusal(readLabelVolume(folder.path()), "in its sub-folders: scout (1 slice), study/axial (2 slices)");
+  const TemporaryFolder empty;
+  EXPECT_EQ(textOfSliceFolders(empty.path()), "");
+}
+
+TEST(LabelVolume, LabelsAtTheFacesOfAVolumeAreNamed) {
+  LabelVolume v;
+  v.size = {4, 4, 4};
+  for (int k = 0; k < 4; ++k) {
+    std::vector<std::uint16_t> slice(16, 0);
+    if (k == 1 || k == 2) slice[5] = 7;  // inside
+    if (k == 1) slice[4] = 2;            // x = 0
+    if (k == 3) slice[15] = 9;           // a corner
+    v.addSlice(slice);
+  }
+  EXPECT_EQ(textOfCutLabels(v), "label 2 (x low), label 9 (x high, y high, z high)");
+  const std::uint16_t inside[] = {7};
+  EXPECT_EQ(textOfCutLabels(v, inside), "");
+}
+
 TEST(LabelVolume, DicomSlicesWithoutPixelSpacingNeedAGivenOne) {
   const TemporaryFolder folder;
   folder.write("a.dcm", dicomSlice(countingLabels().substr(0, 12), 0, "1.2.3", ""));
@@ -258,6 +301,16 @@ TEST(LabelVolume, WholeFloatsAreLabelsAndFractionsAreIntensities) {
   std::vector<float> many;
   for (int i = 0; i < 300; ++i) many.push_back(static_cast<float>(i));
   expectRefusal(readBytes("a.nrrd", floatNrrd(many)), "300 different values: these look like intensities");
+}
+
+TEST(LabelVolume, IntensitiesHaveAGridAndARange) {
+  const TemporaryFile file("a.nrrd", floatNrrd({-1000, 1.5f, 3071, std::numeric_limits<float>::quiet_NaN()}));
+  EXPECT_FALSE(readLabelVolume(file.path()));
+  const auto summary = summariseVolume(file.path());
+  ASSERT_TRUE(summary) << summary.error().message();
+  EXPECT_EQ(summary->lowest, -1000);
+  EXPECT_EQ(summary->highest, 3071);
+  EXPECT_EQ(summary->grid.size[0] * summary->grid.size[1] * summary->grid.size[2], 4);
 }
 
 TEST(LabelVolume, ThresholdMakesOneLabelOfAllValuesFromThereOn) {
