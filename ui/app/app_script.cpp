@@ -177,7 +177,8 @@ void printState(const AppContext& c) {
     j["near_beside"] = near->name;
     j["near_beside_mm"] = near->distance_mm;
   }
-  printText("{}\n", printableJson(j, -1));
+  constexpr bool kEscapesAll = true;  // control characters too
+  printText("{}\n", j.dump(-1, ' ', kEscapesAll, nlohmann::json::error_handler_t::replace));
   std::fflush(stdout);
 }
 
