@@ -328,8 +328,8 @@ RunManifest manifestOf(const CutScene& scene, const HapticSummary& summary) {
 }
 
 // Fields, summary and manifest; what observers write is there already.
-Expected<void> writeRun(const fs::path& staging, const fs::path& run_folder, const CutInputs& inputs,
-                        const std::vector<BrickField>& changed, const MaterialBricks& added, HapticCut& cut) {
+Expected<void> writeRun(const fs::path& staging, const CutInputs& inputs, const std::vector<BrickField>& changed,
+                        const MaterialBricks& added, HapticCut& cut) {
   std::vector<NamedField> fields{{"phi", &changed.front()}};
   for (std::size_t n = 1; n < changed.size(); ++n) fields.push_back({neighbourId(n), &changed[n]});
   KERF_CHECK(writeVdb(staging / internal::kRunField, fields, {{"case_id", cut.manifest.case_id}}, &added));
@@ -477,7 +477,7 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
     out.manifest.begin_sha256 = begin_sha256;
   }
   const MaterialBricks added = internal::addedMaterials(internal::objectsOf(session, 0), scene.added, scene.materials);
-  KERF_CHECK(writeRun(folder.staging(), run_folder, scene.inputs, changed, added, out));
+  KERF_CHECK(writeRun(folder.staging(), scene.inputs, changed, added, out));
   KERF_CHECK(folder.commit());
   report(progress, 1.0, "done");
   return out;
