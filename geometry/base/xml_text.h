@@ -1,16 +1,26 @@
 // Text inside XML: SVG drawings, 3MF.
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <string_view>
 
+#include "geometry/base/text.h"
+
 namespace kerf {
 
-/// With the characters that XML keeps for itself as entities, and without control characters.
+/// With the characters that XML keeps for itself as entities, without control characters, and '?' for bytes that are no
+/// UTF-8.
 inline std::string xmlText(std::string_view text) {
   std::string out;
-  for (const char c : text) {
-    if (c == '&')
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t length = utf8Length(text, at);
+    const char c = text[at];
+    if (length > 1)
+      out += text.substr(at, length);
+    else if (length == 0)
+      out += '?';
+    else if (c == '&')
       out += "&amp;";
     else if (c == '<')
       out += "&lt;";
@@ -20,6 +30,7 @@ inline std::string xmlText(std::string_view text) {
       out += "&quot;";
     else if (static_cast<unsigned char>(c) >= 0x20)
       out += c;
+    at += std::max<std::size_t>(length, 1);
   }
   return out;
 }
