@@ -39,6 +39,8 @@ class BrickField {
   double voxel() const { return voxel_; }
   float background() const { return background_; }
   float interior() const { return interior_; }
+  /// As the constructor's. @pre no brick is marked interior
+  void setInterior(float value) { interior_ = value; }
   std::size_t brickCount() const { return coords_.size(); }
   bool isEmpty() const { return coords_.empty(); }
 

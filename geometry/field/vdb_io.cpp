@@ -89,7 +89,7 @@ std::string faultOf(const openvdb::FloatGrid& grid, const openvdb::FloatTree::Le
 
 // A field for the bricks of a grid, which has none of them yet.
 BrickField fieldFor(const openvdb::FloatGrid& grid, std::size_t bricks) {
-  float interior = 0;  // the deepest constant inside; a file without interior tiles has none to tell
+  float interior = 0;  // the deepest constant inside; 0: no interior tiles
   for (auto tile = tilesOf(grid); tile; ++tile) interior = std::min(interior, tile.getValue());
 
   BrickField field(grid.voxelSize()[0], grid.background(), interior < 0 ? interior : -grid.background());
@@ -120,13 +120,17 @@ Expected<BrickField> readBricks(internal::VdbGridFile& file, const openvdb::Floa
   const std::size_t bricks = grid.tree().leafCount();
   BrickField field = fieldFor(grid, bricks);
   BrickValues values;
+  float deepest = field.interior();
   for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
     file.readLeaf(values.data());
     if (const std::string fault = faultOf(grid, *leaf, values); !fault.empty()) return fail(error(fault));
+    deepest = std::min(deepest, *std::min_element(values.begin(), values.end()));
     field.add(brickOf(toVec(leaf->origin())), values);
     adviseOnFirst(field, bricks);
   }
   markTiles(grid, field);
+  // A thin object has no brick deep inside to tell how far its band reaches.
+  if (field.interiorBricks().empty()) field.setInterior(deepest);
   return field;
 }
 

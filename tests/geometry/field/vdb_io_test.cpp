@@ -36,6 +36,18 @@ TEST(VdbIo, FieldsComeBackBitForBitWithTheirDeepInside) {
   EXPECT_EQ(back->interiorBricks().size(), 2u);
 }
 
+// Without a brick deep inside, the nodes tell how far the band reaches: a tool's table must be right as far.
+TEST(VdbIo, TheBandOfAThinObjectReachesAsFarAsItsNodes) {
+  const TemporaryFolder folder;
+  BrickField field(0.05, 0.15f, -0.2f);
+  for (std::size_t n = 0; n < kBrickNodes; ++n)
+    field.brick(field.touch({0, 0, 0}))[n] = std::max(0.15f - 1e-3f * static_cast<float>(n), -0.2f);
+  ASSERT_TRUE(writeVdb(folder.path() / "f.vdb", {{"phi", &field}}));
+  const auto back = readVdb(folder.path() / "f.vdb", "phi");
+  ASSERT_TRUE(back) << back.error().message();
+  EXPECT_EQ(back->interior(), -0.2f);
+}
+
 // OpenVDB gives each file a random identifier.
 TEST(VdbIo, TheSameFieldsAreTheSameBytesAndOthersHaveAnotherIdentifier) {
   const TemporaryFolder folder;
