@@ -115,6 +115,7 @@ Sink sink(const Model& model, std::size_t tool, const SinkScene& scene) {
   state.objects.emplace_back(scene.object, 16);
   state.tool = tool;
   state.place(handAt(kAir));
+  state.speed = scene.turns * model.tools[tool].drive.speed;
 
   Sink out;
   StepOutput tick;

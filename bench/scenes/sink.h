@@ -16,6 +16,7 @@ struct SinkScene {
   double hand_mm = 4;                         ///< where the hand ends up, below the surface
   double speed = 20;                          ///< of the hand, mm/s
   double rest_s = 0.1;                        ///< how long it stays there
+  double turns = 0;                           ///< of its free speed, as it runs down
 };
 
 struct Sink {
@@ -26,7 +27,7 @@ struct Sink {
   std::uint64_t state = 0;  ///< State::hash
 };
 
-/// From 0.2 mm above the surface straight down. The spindle stands still.
+/// From 0.2 mm above the surface straight down. The pedal is up.
 Sink sink(const Model& model, std::size_t tool, const SinkScene& scene);
 
 struct Dig {

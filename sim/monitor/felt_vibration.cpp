@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/step/drive.h"
+
 namespace kerf {
 namespace {
 
@@ -12,8 +14,7 @@ using internal::usable;
 // Of the load. The last three from facts about handpieces and saws, the shares of a drill chosen.
 constexpr double kFeltChips = 0.02, kChipsOfDrill = 0.05, kChipsAtStall = 0.08;
 constexpr double kFeltRunOut = 0.0075, kLips = 0.02, kStroke = 0.04;
-constexpr double kStalls = 0.3;   // of the free speed: below it chips grow
-constexpr double kAtRest = 0.02;  // of the free speed: below it nothing vibrates
+constexpr double kStalls = 0.3;  // of the free speed: below it chips grow
 
 // The band of chips, Hz: middle and width.
 constexpr double kMiddle = 122, kWidth = 250;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sim/step/contact_evaluation.h"
+#include "sim/step/drive.h"
 #include "sim/step/erosion_rates.h"
 
 namespace kerf {
@@ -146,7 +147,8 @@ void CoreContact::gather(CutObject& object, std::size_t number, const ContactInp
   object.is_core_clear = object.is_core_clear || isOutside(false);
   if (!object.is_core_clear) return;
   const bool has_thin = !tool.core.empty() && tool.core.back().is_thin;
-  object.is_tip_clear = has_thin && in.speed == 0 && (object.is_tip_clear || isOutside(true));
+  const bool is_at_rest = std::abs(in.speed) <= kAtRest * tool.drive.speed;
+  object.is_tip_clear = has_thin && is_at_rest && (object.is_tip_clear || isOutside(true));
 
   for (const CorePoint& point : tool.core) {
     if ((in.geometry_only && point.cuts) || (point.is_thin && !object.is_tip_clear)) continue;

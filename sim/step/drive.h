@@ -5,6 +5,9 @@
 
 namespace kerf {
 
+/// Of a drive's free speed: what turns more slowly is at rest. A motor that runs down is never quite so.
+inline constexpr double kAtRest = 0.02;
+
 /// The speed a tick of kTick seconds later, by the law of ToolDrive.
 /// @param speed  now, as ToolDrive::speed; negative: backwards, kGoverned alone.
 /// @param pedal  -1 to 1. Only kGoverned turns backwards: for all others a negative pedal is one that is up.

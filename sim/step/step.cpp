@@ -122,8 +122,7 @@ Motion followDevice(const Model& model, State& state, const DeviceSample& input,
   Motion motion;
   motion.attachment = settings.attachment();
   motion.tool_before = state.body.pose;
-  constexpr double kTurns = 0.02;  // of the free speed: a motor that runs down is never quite at rest
-  motion.coupling = settings.coupling.at(std::abs(state.speed) > kTurns * tool.drive.speed);
+  motion.coupling = settings.coupling.at(std::abs(state.speed) > kAtRest * tool.drive.speed);
 
   const bool is_first = !state.has_device;  // at the start, and when the device is back after a fault
   const Rigid3 device_before = is_first ? input.T_world_device : state.device.pose;

@@ -52,7 +52,8 @@ class CoreMaker {
     const double low = box_.min[2], high = points.empty() ? box_.max[2] - 0.2 : static_cast<double>(points[0].place[2]);
     for (double z = low + kPlaneStep; z < high; z += kPlaneStep) {
       const double radius = radiusAt({0, 0, z});
-      if (radius <= 0 || radiusAt({0, 0, z + kPlaneStep}) - radius > kPointed * kPlaneStep) continue;
+      const double slope = (radiusAt({0, 0, z + kPlaneStep}) - radius) / kPlaneStep;
+      if (radius <= 0 || radius >= kThinnestCore || slope > kPointed) continue;
       addThin({0, 0, z});
       z += kEdgeApart - kPlaneStep;
     }

@@ -231,6 +231,26 @@ TEST(CoreContact, WhatIsThinHoldsAtRestInHardTissueOverAllVoxels) {
       }
 }
 
+TEST(CoreContact, ABallHasNoThinPoint) {
+  std::size_t balls = 0;
+  for (const ToolListing& listed : listTools(defaultToolFolders())) {
+    if (!listed.tool || !listed.tool->id.starts_with("round-")) continue;
+    const ToolModel model = makeToolModel(*listed.tool);
+    EXPECT_TRUE(std::none_of(model.core.begin(), model.core.end(), [](const CorePoint& p) { return p.is_thin; }))
+        << listed.tool->id;
+    ++balls;
+  }
+  EXPECT_GT(balls, 8u);
+}
+
+// A motor that runs down gets slower for half a minute.
+TEST(CoreContact, WhatIsThinHoldsAMotorThatHardlyTurns) {
+  Model model = modelOf(thinTools()[1].tool);
+  SinkScene scene = pushedBy(3.4, 3);
+  scene.turns = 0.01;
+  EXPECT_LT(sink(model, 0, scene).deepest, 0.2);
+}
+
 TEST(CoreContact, WhatIsThinCutsAsBeforeWhileItRuns) {
   Model model = modelOf(thinTools()[1].tool), without = model;
   std::erase_if(without.tools[0].core, [](const CorePoint& point) { return point.is_thin; });
