@@ -4,8 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/step/coupling.h"
-
 namespace kerf {
 namespace {
 
@@ -59,9 +57,13 @@ double nearStroke(const MouseAim& aim, const Vec3d& axis, double height) noexcep
 
 }  // namespace
 
-MouseHand::MouseHand(std::shared_ptr<const BrickField> surface, const Rigid3& start, double stiffness,
-                     double turn_stiffness)
-    : surface_(std::move(surface)), stiffness_(stiffness), turn_stiffness_(turn_stiffness), pose_(start) {}
+MouseHand::MouseHand(std::shared_ptr<const BrickField> surface, const Rigid3& start, const CouplingSettings& coupling)
+    : surface_(std::move(surface)),
+      stiffness_(coupling.stiffness),
+      turn_stiffness_(coupling.turn_stiffness),
+      early_(coupling.running_damping / coupling.stiffness),
+      gain_(1 - std::exp(-2 * std::numbers::pi * coupling.filter_hz * kTick)),
+      pose_(start) {}
 
 void MouseHand::aim(const MouseAim& aim) noexcept {
   aims_.back() = aim;
@@ -117,18 +119,16 @@ DeviceSample MouseHand::send(bool is_pressed) noexcept {
   out.irrigation = aim_.irrigation;
 
   const Vec3d& to = out.T_world_device.translation;
-  const double gain = 1 - std::exp(-2 * std::numbers::pi * CouplingSettings{}.filter_hz * kTick);
-  speed_of_sent_ += gain * ((to - sent_) / kTick - speed_of_sent_);
+  speed_of_sent_ += gain_ * ((to - sent_) / kTick - speed_of_sent_);
   sent_ = to;
   return out;
 }
 
 // A finger rest: stiff sideways. A guide is one of its own.
 void MouseHand::holdAtPlace(bool is_pressed) noexcept {
-  const double early = CouplingSettings{}.running_damping / stiffness_;  // s
   const Vec3d was = tool_;
-  tool_ = sent_ + felt_ / stiffness_ + early * speed_of_sent_;  // and early times its own speed
-  tool_ = (kTick * tool_ + early * was) / (kTick + early);
+  tool_ = sent_ + felt_ / stiffness_ + early_ * speed_of_sent_;  // and early_ times its own speed
+  tool_ = (kTick * tool_ + early_ * was) / (kTick + early_);
 
   Vec3d wanted = Vec3d::Zero();
   if (is_pressed && aim_.guide.isZero(0)) wanted = -kFirm * (2 * tool_ - was - pose_.translation);

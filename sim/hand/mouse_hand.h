@@ -39,6 +39,7 @@
 #include "sim/hand/tool_lean.h"
 #include "sim/hand/triple_buffer.h"
 #include "sim/monitor/structures.h"
+#include "sim/step/coupling.h"
 
 namespace kerf {
 
@@ -85,9 +86,8 @@ class MouseHand final : public DeviceSource {
   static constexpr double kClearance = 1;  ///< mm above the surface as loaded, where it goes when the button is up
 
   /// @param surface  the field as loaded (mm, negative inside), kept. Null: none, the plane through the anchor.
-  /// @param start  where the tool is.   @param stiffness, turn_stiffness  of the coupling, N/mm and N mm/rad.
-  MouseHand(std::shared_ptr<const BrickField> surface, const Rigid3& start, double stiffness,
-            double turn_stiffness = 1000);
+  /// @param start  where the tool is.   @param coupling  of the session.
+  MouseHand(std::shared_ptr<const BrickField> surface, const Rigid3& start, const CouplingSettings& coupling = {});
 
   /// What MouseAim::keep is about; in the frame of the surface as loaded. Before the first read().
   void keepAwayFrom(std::shared_ptr<const Structures> structures) { structures_ = std::move(structures); }
@@ -126,7 +126,9 @@ class MouseHand final : public DeviceSource {
   std::shared_ptr<const BrickField> surface_;
   std::shared_ptr<const Structures> structures_;        // null: none
   std::vector<std::shared_ptr<const KeepOut>> beside_;  // world frame
-  double stiffness_, turn_stiffness_;
+  double stiffness_, turn_stiffness_;                   // of the coupling, N/mm and N mm/rad
+  double early_;                                        // s by which its force tells the place too early
+  double gain_;                                         // of its filter, a tick
   TripleBuffer<MouseAim> aims_;
   MouseAim aim_;                  // the newest
   Rigid3 to_surface_;             // from the world

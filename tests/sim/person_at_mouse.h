@@ -52,8 +52,7 @@ inline LiveRunOptions someTools() {
 class Mouse {
  public:
   explicit Mouse(LiveRun& run)
-      : run_(run),
-        hand_(surfaceOf(run), {Eigen::Quaterniond::Identity(), {0, 0, 3}}, run.model().settings.coupling.stiffness) {
+      : run_(run), hand_(surfaceOf(run), {Eigen::Quaterniond::Identity(), {0, 0, 3}}, run.model().settings.coupling) {
     const auto started = run.start(hand_);
     EXPECT_TRUE(started) << started.error().message();
   }

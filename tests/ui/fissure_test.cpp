@@ -62,8 +62,7 @@ class Chair {
       : tooth_(std::move(tooth)),
         plunge_(plungeOf(tool)),
         head_(headOf(tool)),
-        hand_(std::shared_ptr<const BrickField>(tooth_, &tooth_->phi0()), kAway, model.settings.coupling.stiffness,
-              model.settings.coupling.turn_stiffness),
+        hand_(std::shared_ptr<const BrickField>(tooth_, &tooth_->phi0()), kAway, model.settings.coupling),
         session_(std::move(model), {tooth_}, kAway) {
     camera_.target = {0, -0.2, 6};
     camera_.half_height = 4;

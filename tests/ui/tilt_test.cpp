@@ -107,8 +107,7 @@ class TiltedStroke {
     auto model = makeModel(std::span(&tool, 1));
     EXPECT_TRUE(model);
     const CouplingSettings& coupling = model->settings.coupling;
-    hand_.emplace(std::shared_ptr<const BrickField>(block_, &block_->phi0()), start_, coupling.stiffness,
-                  coupling.turn_stiffness);
+    hand_.emplace(std::shared_ptr<const BrickField>(block_, &block_->phi0()), start_, coupling);
     session_.emplace(std::move(*model), std::vector{block_}, start_);
     out_.T_world_tool = start_;
     stroke.begin(aim_);

@@ -251,8 +251,8 @@ void Workbench::openBy(const std::string& title, Load load) {
 void Workbench::show(Opened& loaded) {
   takeRack(true);  // its job has waited for that
   const CouplingSettings& coupling = loaded.run->model().settings.coupling;
-  auto hand = std::make_unique<MouseHand>(loaded.run->original(), loaded.run->thread().session().state().body.pose,
-                                          coupling.stiffness, coupling.turn_stiffness);
+  auto hand =
+      std::make_unique<MouseHand>(loaded.run->original(), loaded.run->thread().session().state().body.pose, coupling);
   auto hands = std::make_shared<HandSwitch>(*hand);
   auto guided = std::make_unique<GuidedHand>(*hands, coupling.stiffness, coupling.turn_stiffness);
   hand->keepAwayFrom(loaded.structures);

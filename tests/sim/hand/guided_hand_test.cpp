@@ -31,7 +31,7 @@ class Bench {
       : tool_(toolOf(saw)),
         blade_(*SawBlade::of(tool_)),
         object_(made(block)),
-        mouse_(std::shared_ptr<const BrickField>(object_, &object_->phi0()), above(2), 1),
+        mouse_(std::shared_ptr<const BrickField>(object_, &object_->phi0()), above(2)),
         hand_(mouse_, 1, 1000),
         session_(*makeModel(std::span(&tool_, 1)), {object_}, above(2)) {}
 

@@ -35,7 +35,7 @@ class Desk {
  public:
   Desk(Model model, std::shared_ptr<const BakedObject> object)
       : object_(std::move(object)),
-        hand_(std::shared_ptr<const BrickField>(object_, &object_->phi0()), upright({0, 0, 3}), 1),
+        hand_(std::shared_ptr<const BrickField>(object_, &object_->phi0()), upright({0, 0, 3})),
         session_(std::move(model), {object_}, upright({0, 0, 3})) {
     out.T_world_tool = upright({0, 0, 3});
   }
@@ -234,7 +234,7 @@ TEST(MouseHand, AHeldButtonDrillsAHoleAsWideAsTheBurInAllThatIsHard) {
 // It is a hand all the same: pushed off its place it gives way.
 TEST(MouseHand, TheFingerRestPushesNoHarderThanTwiceTheForce) {
   const auto block = someBlock();
-  MouseHand hand(std::shared_ptr<const BrickField>(block, &block->phi0()), upright({0, 0, 1}), 1);
+  MouseHand hand(std::shared_ptr<const BrickField>(block, &block->phi0()), upright({0, 0, 1}));
   MouseAim aim;
   aim.is_pressed = true;
   aim.force = 1;
@@ -369,7 +369,7 @@ TEST(MouseHand, AGuideKeepsASawInItsPlane) {
 
 TEST(MouseHand, ReadsWithoutAllocating) {
   const auto block = someBlock();
-  MouseHand hand(std::shared_ptr<const BrickField>(block, &block->phi0()), upright({0, 0, 1}), 1);
+  MouseHand hand(std::shared_ptr<const BrickField>(block, &block->phi0()), upright({0, 0, 1}));
   const AllocationGuard guard;
   hand.placed(upright({0, 0, 0.3}));
   for (int n = 0; n < 1000; ++n) {
