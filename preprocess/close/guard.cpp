@@ -163,21 +163,34 @@ void judgeVolume(const Mesh& mesh, const Mesh& solid, const Expectation& expecte
         report);
 }
 
-/// How many of the lost vertices lie inside the solid: a union swallows them, which is no loss.
-std::size_t swallowedBy(const Mesh& solid, const Mesh& imported_mm) {
+/// How many of the lost vertices lie inside the solid: a union swallows them, which is no loss. Where a whole piece
+/// lies inside and is gone, it is one: the wall of a hollow that faces the wrong way looks like that.
+std::size_t swallowedBy(const Mesh& solid, const Mesh& mesh) {
   const RayWinding rays(solid);
-  const std::vector<Vec3d> lost = lostPlaces(imported_mm, solid);
-  return static_cast<std::size_t>(std::count_if(lost.begin(), lost.end(), [&](const Vec3d& p) {
-    return rays.at(p, [](std::uint32_t) { return false; }).value_or(0) > 0;
-  }));
+  const std::vector<Vec3d> lost = lostPlaces(mesh, solid);
+  const auto isLost = [&](std::uint32_t v) {
+    return std::binary_search(lost.begin(), lost.end(), weldPlace(roundedToFloat(mesh.vertices[v])), lessPlace);
+  };
+  const Pieces pieces = edgeConnectedPieces(mesh);
+  std::vector<char> is_left(pieces.count, 0), is_counted(mesh.vertices.size(), 0);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    for (const std::uint32_t v : mesh.triangles[t]) is_left[pieces.label[t]] |= isLost(v) ? 0 : 1;
+
+  std::size_t out = 0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    for (const std::uint32_t v : mesh.triangles[t]) {
+      if (!is_left[pieces.label[t]] || std::exchange(is_counted[v], 1) || !isLost(v)) continue;
+      out += rays.at(mesh.vertices[v], [](std::uint32_t) { return false; }).value_or(0) > 0 ? 1 : 0;
+    }
+  return out;
 }
 
-void judgeLoss(const Mesh& imported_mm, const Mesh& solid, std::size_t vertices, bool is_volume_right,
+void judgeLoss(const Mesh& mesh, const Mesh& solid, std::size_t vertices, bool is_volume_right,
                const CloseReport& report, Judgement& out) {
   const auto share = [&](std::size_t n) { return static_cast<double>(n) / static_cast<double>(vertices); };
   std::size_t count = report.vertices_lost;
   if (!report.exact || vertices == 0 || !(share(count) > kMostLost)) return;
-  if (report.rims_extruded == 0) count -= std::min(count, swallowedBy(solid, imported_mm));  // a base buries
+  if (report.rims_extruded == 0) count -= std::min(count, swallowedBy(solid, mesh));  // a base buries
   if (!(share(count) > kMostLost)) return;
 
   const std::string found =
@@ -228,7 +241,7 @@ Judgement judgeSolid(const Mesh& imported_mm, const Mesh& solid, const CloseRepo
   const bool is_volume_right = is_hardly_open && expected.volume > 0 && out.warnings.empty();
   if (closed) judgeExtent(solid, report, *closed, out);
   if (closed) judgePieces(solid, report, *closed, out);
-  judgeLoss(imported_mm, solid, used, is_volume_right, report, out);
+  judgeLoss(closed ? closed->mesh : imported_mm, solid, used, is_volume_right, report, out);
 
   if (report.handles_added > kMostHandles)
     out.warnings.push_back(fmt::format(

@@ -11,11 +11,12 @@
 #include "preprocess/close/pinholes.h"
 
 namespace kerf::internal {
-namespace {
 
 bool lessPlace(const Vec3d& p, const Vec3d& q) {
   return p.x() != q.x() ? p.x() < q.x() : p.y() != q.y() ? p.y() < q.y() : p.z() < q.z();
 }
+
+namespace {
 
 /// How many source vertices are lost, how many of them lie far from the rims, and where most of them are.
 void countLost(const Mesh& imported, const Mesh& solid, double scale, CloseReport& report) {

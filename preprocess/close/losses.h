@@ -8,8 +8,11 @@
 
 namespace kerf::internal {
 
-/// Places of source vertices, float32, that have no vertex of the solid; sorted. A place is one as weldPlace() has it:
-/// what was welded is there.
+/// By x, then y, then z.
+bool lessPlace(const Vec3d& p, const Vec3d& q);
+
+/// Places of source vertices, float32, that have no vertex of the solid; sorted by lessPlace(). A place is one as
+/// weldPlace() has it: what was welded is there.
 std::vector<Vec3d> lostPlaces(const Mesh& imported, const Mesh& solid);
 
 /// Places that lie together, each within `reach_mm` of another of its heap; the largest heap first.

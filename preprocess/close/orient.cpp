@@ -144,17 +144,19 @@ class Bodies {
  private:
   int signOf(std::uint32_t l, const std::vector<char>& turn) {
     std::vector<std::uint32_t> around;
-    bool is_asked = volume_[l] < 0;
+    bool is_asked = volume_[l] < 0, is_in_open = false;
     const Box3& inner = boxes_.boxes()[l];
     boxes_.visit([&](const Box3& node) { return holds(node, inner); },
                  [&](std::uint32_t o) {
                    if (o == l || !holds(boxes_.boxes()[o], inner)) return true;
+                   is_in_open = is_in_open || volume_[o] == 0;
                    if (!(std::abs(volume_[o]) > std::abs(volume_[l]))) return true;
                    around.push_back(o);
                    is_asked = is_asked || turn[o] != 0;
                    return true;
                  });
     if (!is_asked) return 1;
+    if (is_in_open) return volume_[l] < 0 ? -1 : 1;  // as it is, until that is closed: it may be a cavity of it
 
     std::erase_if(around, [&](std::uint32_t o) { return !liesInside(l, o); });
     int winding = 0;
@@ -167,13 +169,9 @@ class Bodies {
 
   // Whether no part of piece `l` lies outside of piece `o`: asked at corners and middles of its triangles.
   bool liesInside(std::uint32_t l, std::uint32_t o) {
-    constexpr std::size_t kMostAsked = 500;
     if (!rays_) sortTriangles();
-    const auto of_piece = std::span(sorted_).subspan(first_[l], first_[l + 1] - first_[l]);
-    const std::size_t stride = (of_piece.size() + kMostAsked - 1) / kMostAsked;
     bool is_inside = false;
-    for (std::size_t i = 0; i < of_piece.size(); i += stride) {
-      const std::uint32_t t = of_piece[i];
+    for (const std::uint32_t t : std::span(sorted_).subspan(first_[l], first_[l + 1] - first_[l])) {
       const Vec3d middle = (mesh_.corner(t, 0) + mesh_.corner(t, 1) + mesh_.corner(t, 2)) / 3;
       for (const Vec3d& p : {mesh_.corner(t, 0), middle}) {
         const auto winding = rays_->at(p, [&](std::uint32_t other) { return pieces_.label[other] != o; });

@@ -91,11 +91,8 @@ TEST(CloseScan, SeamsStitchedWiderThanAskedForAreAWarning) {
   ASSERT_TRUE(file) << file.error().message();
   const auto s = closeMesh(file->mesh);
   ASSERT_TRUE(s) << s.error().message();
-  ASSERT_EQ(s->report.warnings.size(), 2u);
+  ASSERT_EQ(s->report.warnings.size(), 1u) << "vertices that moved into the solid, 0.05 mm at most, are no loss";
   EXPECT_EQ(s->report.warnings[0].substr(0, 51), "seams had to be stitched that wide: within 0.001 mm");
-  // That moved so many vertices that the guard speaks up.
-  EXPECT_EQ(s->report.warnings[1].substr(0, 24), "MUCH OF THE SCAN IS LOST");
-  EXPECT_EQ(s->report.changes.back(), s->report.warnings[1]);
 }
 
 struct Losses {

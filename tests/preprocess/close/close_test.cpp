@@ -269,6 +269,26 @@ TEST(Close, OfAHollowSolidThatIsInsideOutTheCavityStays) {
   EXPECT_DOUBLE_EQ(signedVolume(closed(both(three, beside)).mesh), 2 * 974);
 }
 
+// What an open piece holds may be a cavity of it, and a folded triangle elsewhere says nothing of that.
+TEST(Close, TheCavityOfAnOpenPieceStaysBesideAFoldedTriangle) {
+  Mesh m = both(box(0, 10), flipped(box(3, 6)));
+  m.triangles.erase(m.triangles.begin(), m.triangles.begin() + 2);  // the floor
+  EXPECT_DOUBLE_EQ(signedVolume(closed(m, kStraight).mesh), 1200 - 27);
+  const auto first = static_cast<std::uint32_t>(m.vertices.size());
+  for (const Vec3d& p : {Vec3d(20, 0, 5), Vec3d(21, 0, 5), Vec3d(20, 1, 5)}) m.vertices.push_back(p);
+  m.triangles.push_back({first, first + 1, first + 2});
+  m.triangles.push_back({first, first + 2, first + 1});
+  EXPECT_DOUBLE_EQ(signedVolume(closed(m, kStraight).mesh), 1200 - 27);
+}
+
+// The wall of a hollow that faces the wrong way is a solid within a solid.
+TEST(Close, APieceThatGoesWithinAnotherIsSaidAloud) {
+  const Solid s = closed(both(box(0, 10), box(3, 6)));
+  EXPECT_DOUBLE_EQ(signedVolume(s.mesh), 1000);
+  ASSERT_EQ(s.report.warnings.size(), 1u);
+  EXPECT_NE(s.report.warnings[0].find("MUCH OF THE SCAN IS LOST"), std::string::npos) << s.report.warnings[0];
+}
+
 TEST(Close, FlippedPatchIsTurned) {
   Mesh m = ball(12, 24, 5);
   const double volume = signedVolume(m);
