@@ -140,17 +140,21 @@ Expected<std::vector<Mesh>> readMeshSources(const std::vector<fs::path>& paths, 
                                             const std::string& unit, bool as_one, const fs::path& case_folder,
                                             BakeReport& out, const Progress& progress) {
   std::vector<MeshFile> files;
-  Box3 common;  // of the meshes that declare no unit
-  std::size_t largest = 0;
+  Box3 common;              // of the meshes that declare no unit
+  std::size_t largest = 0;  // of these
+  double widest = 0;
   for (std::size_t n = 0; n < paths.size(); ++n) {
     if (!report(progress, static_cast<double>(n) / static_cast<double>(paths.size()),
                 "reading " + paths[n].filename().string()))
       return cancelledBeforeWriting();
     KERF_TRY(file, readMesh(paths[n]));
-    if (file.declared_unit.empty()) common.add(bounds(file.mesh));
+    const Box3 box = bounds(file.mesh);
+    if (file.declared_unit.empty()) common.add(box);
+    if (file.declared_unit.empty() && box.size().norm() > widest) {
+      widest = box.size().norm();
+      largest = n;
+    }
     files.push_back(std::move(file));
-    const auto size = [&](std::size_t k) { return bounds(files[k].mesh).size().norm(); };
-    if (size(n) > size(largest)) largest = n;
   }
 
   std::vector<Mesh> meshes;

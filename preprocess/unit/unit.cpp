@@ -114,7 +114,7 @@ Expected<void> requireOneUnit(const std::filesystem::path& file, const Box3& box
                .found = fmt::format("{} ({}), but {} for {} ({})", alone.unit, alone.reason, shared.unit,
                                     other.string(), shared.reason),
                .expected = "one unit for all files of an object",
-               .hint = "--unit mm, or whichever it is"});
+               .hint = fmt::format("--unit {} if all are in it; else export them in one unit", shared.unit)});
 }
 
 }  // namespace kerf
