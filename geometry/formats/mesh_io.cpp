@@ -94,7 +94,11 @@ Expected<MeshFile> readSource(MeshSource& source, const Progress& progress) {
   };
   const MeshFormatRow* row = recognised();
   std::string_view encoding;
-  if (!row && !(encoding = internal::decodeText(source)).empty()) row = recognised();
+  if (MeshSource text; !row && !(encoding = internal::decodeText(source, text)).empty()) {
+    std::swap(source, text);
+    row = recognised();
+    if (!row) std::swap(source, text);  // its bytes mean something else
+  }
 
   const MeshFormatRow* by_name = formatOfExtension(source.extension());
   if (!row) {

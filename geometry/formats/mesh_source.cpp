@@ -141,7 +141,7 @@ int highByteOfUtf16(std::string_view text) {
 
 }  // namespace
 
-std::string_view decodeText(MeshSource& source) {
+std::string_view decodeText(const MeshSource& source, MeshSource& out) {
   const std::string_view text = source.text();
   std::string decoded;
   std::string_view note;
@@ -166,9 +166,10 @@ std::string_view decodeText(MeshSource& source) {
   }
   if (note.empty() || decoded.empty()) return {};
 
-  source.size = decoded.size();
-  source.bytes.reset(new char[source.size]);
-  std::copy(decoded.begin(), decoded.end(), source.bytes.get());
+  out.file = source.file;
+  out.size = decoded.size();
+  out.bytes.reset(new char[out.size]);
+  std::copy(decoded.begin(), decoded.end(), out.bytes.get());
   return note;
 }
 
@@ -273,17 +274,26 @@ std::string unitIn(std::string_view text) {
 }
 
 std::vector<Rgba8> NumericColors::finish(bool is_real, MeshFile& file) {
-  const auto scaleOf = [&](double largest) {
-    if (is_real && largest < 2) return 255.0;  // somewhat above 1 through rounding
-    return largest < 256 ? 1.0 : 255.0 / 65535;
+  // A tenth of what is not black decides for real numbers, so that no single one makes all others black.
+  struct Range {
+    std::size_t bright = 0, above_one = 0, above_byte = 0;
+    void add(double c) {
+      bright += std::isfinite(c) && c > 0 ? 1 : 0;
+      above_one += std::isfinite(c) && c >= 2 ? 1 : 0;  // somewhat above 1 through rounding
+      above_byte += std::isfinite(c) && c >= 256 ? 1 : 0;
+    }
+    double scale(bool real) const {
+      const std::size_t few = real ? bright / 10 : 0;
+      return above_byte > few ? 255.0 / 65535 : above_one > few || !real ? 1.0 : 255.0;
+    }
   };
-  double largest = 0, largest_alpha = 0;
+  Range light, alpha;
   for (const auto& [r, g, b, a] : values_) {
-    for (const double c : {r, g, b})
-      if (c > largest) largest = c;
-    if (a > largest_alpha) largest_alpha = a;
+    for (const double c : {r, g, b}) light.add(c);
+    alpha.add(a);
   }
-  const std::array<double, 4> scale{scaleOf(largest), scaleOf(largest), scaleOf(largest), scaleOf(largest_alpha)};
+  const double of_light = light.scale(is_real);
+  const std::array<double, 4> scale{of_light, of_light, of_light, alpha.scale(is_real)};
 
   std::size_t odd = 0;
   std::vector<Rgba8> out(values_.size(), kNoColor);

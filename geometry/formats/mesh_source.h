@@ -32,8 +32,9 @@ struct MeshSource {
 
 /// @param limit  bytes; a longer file is refused unread.
 Expected<MeshSource> loadMeshSource(const std::filesystem::path& path, std::size_t limit = SIZE_MAX);
-/// Turns text in UTF-16 into UTF-8 and takes off a byte order mark. Returns a note on the change, empty without one.
-std::string_view decodeText(MeshSource& source);
+/// Text in UTF-16 as UTF-8, without a byte order mark. Returns a note on the change, empty without one: then `out` is
+/// left as it is.
+std::string_view decodeText(const MeshSource& source, MeshSource& out);
 
 /// A word as it may stand in a message: quoted, at most 40 characters, unprintable bytes as \xNN.
 std::string inQuotes(std::string_view word);

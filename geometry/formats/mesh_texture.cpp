@@ -14,9 +14,12 @@ constexpr std::size_t kLargestPicture = std::size_t{256} << 20;  // bytes of the
 
 Expected<MeshSource> loadBeside(const MeshSource& mesh, std::string_view name, std::size_t limit) {
   const std::filesystem::path folder = std::filesystem::path(mesh.file).parent_path();
-  Expected<MeshSource> found = loadMeshSource(folder / name, limit);
-  const std::size_t slash = name.find_last_of("/\\");
-  if (found || found.error().code != Error::Code::kNotFound || slash == name.npos) return found;
+  const std::size_t slash = name.find_last_of("/\\:");
+  const bool is_absolute = name.starts_with('/') || name.starts_with('\\') || name.find(':') == 1;
+  if (!is_absolute) {
+    Expected<MeshSource> found = loadMeshSource(folder / name, limit);
+    if (found || slash == name.npos) return found;
+  }
   return loadMeshSource(folder / name.substr(slash + 1), limit);
 }
 
@@ -44,6 +47,9 @@ Expected<std::unique_ptr<TexturePainter::Picture>> TexturePainter::load(const st
     return wrong("a damaged picture");
   const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   if (pixels > pixels_left_) return wrong("more than 64 million pixels");
+  // 16 bits of four channels at most: what is beyond would be unpacked all the same.
+  constexpr std::size_t kBytesAPixel = 8, kOfHeads = 1 << 20;
+  if (file.size > kBytesAPixel * pixels + kOfHeads) return wrong("more data than its pixels take");
 
   auto picture = std::make_unique<Picture>();
   picture->rgb.reset(stbi_load_from_memory(bytes, size, &picture->width, &picture->height, &channels, 3));

@@ -11,8 +11,8 @@
 
 namespace kerf::internal {
 
-/// Reads a file that a mesh file names: in the folder of the mesh, by the whole path or, where there is none such, by
-/// its last part. A path of another machine finds the file beside the mesh.
+/// Reads a file that a mesh file names, below the folder of the mesh: by its path or, where that cannot be read, by the
+/// last part. Of an absolute path the last part alone counts: it tells of another machine.
 Expected<MeshSource> loadBeside(const MeshSource& mesh, std::string_view name, std::size_t limit);
 
 /// Averages the colours of a vertex's corners: a mesh with a texture has one for each chart that meets there.

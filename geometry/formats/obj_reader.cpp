@@ -218,8 +218,9 @@ class ObjReader {
     for (const std::string& name : libraries_) {
       Expected<MeshSource> library = loadBeside(source_, name, kLargestMaterials);
       if (library) {
-        decodeText(*library);
-        readMaterials(library->text(), materials);
+        MeshSource text;
+        const bool is_decoded = !decodeText(*library, text).empty();
+        readMaterials(is_decoded ? text.text() : library->text(), materials);
       } else {
         file_.notes.emplace_back("Materials (mtllib " + inQuotes(name) + ") were not read: " + library.error().found +
                                  ".");
@@ -237,15 +238,26 @@ class ObjReader {
     }
     std::map<std::string, Material> materials = readLibraries();
     std::vector<Material> used(material_names_.size());
-    for (const auto& [name, index] : material_names_) used[index] = std::move(materials[name]);
+    std::string undefined;
+    for (const auto& [name, index] : material_names_) {
+      if (!materials.contains(name)) undefined += (undefined.empty() ? "" : ", ") + inQuotes(name);
+      used[index] = std::move(materials[name]);
+    }
+    if (!undefined.empty()) file_.notes.emplace_back("Materials that no library defines: " + undefined + ".");
 
     TexturePainter painter(source_);
     std::vector<const TexturePainter::Picture*> pictures;
     for (const Material& m : used) pictures.push_back(m.picture.empty() ? nullptr : painter.picture(m.picture));
     const bool has_picture = std::any_of(pictures.begin(), pictures.end(), [](const auto* p) { return p != nullptr; });
-    if (!has_picture) paintFaces(used);
+    const bool has_uv = std::any_of(corner_uv_.begin(), corner_uv_.end(), [&](auto uv) { return uv < uv_.size(); });
+    if (has_picture && !has_uv) file_.notes.emplace_back("The texture was not used: no face has texture coordinates.");
+    if (!has_picture || !has_uv) {
+      paintFaces(used);
+      return painter.finish(file_);
+    }
 
-    for (std::size_t f = 0, c = 0; has_picture && f < face_material_.size(); ++f) {
+    std::size_t bare = 0;
+    for (std::size_t f = 0, c = 0; f < face_material_.size(); ++f) {
       const std::uint32_t m = face_material_[f];
       for (const std::size_t end = c + polygons_.sizes[f]; c < end; ++c) {
         if (m == kNone) continue;
@@ -254,9 +266,12 @@ class ObjReader {
           painter.paint(v, *pictures[m], uv_[uv][0], uv_[uv][1]);
         else if (!pictures[m] && used[m].color)
           painter.paint(v, *used[m].color);
+        else
+          ++bare;
       }
     }
     painter.finish(file_);
+    if (bare > 0) file_.notes.emplace_back(std::to_string(bare) + " corners of faces have neither texture nor colour.");
   }
 
   // A grey that all faces share is the default of a program, no colour of a scan.

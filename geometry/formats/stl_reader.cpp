@@ -209,19 +209,23 @@ class AsciiReader {
   // The next keyword. Words before it that stand in the line of the last one are skipped, but no numbers: a corner
   // might have been meant.
   std::string_view nextKeyword(bool skips_numbers = false) {
-    const char* const last = p_;
-    const std::string_view word = next();
-    const bool same_line = std::none_of(last, word.data(), isLineEnd);
+    const char* last = p_;
+    std::string_view word = next();
+    const auto isInLine = [&] { return !word.empty() && std::none_of(last, word.data(), isLineEnd); };
     constexpr std::string_view kKeywords[] = {"solid",  "facet",   "normal",   "outer",   "loop",
                                               "vertex", "endloop", "endfacet", "endsolid"};
-    const auto isWord = [&](std::string_view known) { return equalsIgnoringCase(word, known); };
+    const auto isKeyword = [&] {
+      return std::any_of(std::begin(kKeywords), std::end(kKeywords),
+                         [&](std::string_view known) { return equalsIgnoringCase(word, known); });
+    };
     constexpr std::string_view kNumber = "+-.0123456789";
-    if (word.empty() || !same_line || std::any_of(std::begin(kKeywords), std::end(kKeywords), isWord) ||
-        (!skips_numbers && kNumber.find(word[0]) != kNumber.npos))
-      return word;
+    if (!isInLine() || isKeyword() || (!skips_numbers && kNumber.find(word[0]) != kNumber.npos)) return word;
     ++odd_words_;
-    restOfLine();
-    return next();
+    while (isInLine() && !isKeyword()) {
+      last = p_;
+      word = next();
+    }
+    return word;
   }
   Expected<void> keyword(std::string_view expected) {
     const std::string_view word = nextKeyword();

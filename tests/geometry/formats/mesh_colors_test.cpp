@@ -1,7 +1,9 @@
 // Colours that scanners and CAD programs put beside or into a mesh: textures, materials, attribute words, numbers.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <stb/stb_image_write.h>
 
+#include <limits>
 #include <random>
 
 #include "geometry/formats/mesh_io.h"
@@ -118,13 +120,60 @@ TEST_F(MeshColors, ATextureThatCannotBeReadIsNamedAndTheMeshIsReadWithout) {
   }
   folder_.write("a.png", "GIF89a" + std::string(100, '\1'));
   expectNote(good("a.obj", square()), "neither");
-  // 60000 x 60000 pixels, said by 33 bytes.
+  // 9000 x 9000 pixels, said by 33 bytes.
   std::string huge = whole;
-  for (const std::size_t at : {16u, 20u}) huge.replace(at, 4, samples::bytes(std::uint32_t{60000}, true));
+  for (const std::size_t at : {16u, 20u}) huge.replace(at, 4, samples::bytes(std::uint32_t{9000}, true));
   folder_.write("a.png", huge);
-  expectNote(good("a.obj", square()), "\"a.png\"");
-  folder_.write("a.mtl", "newmtl skin\nmap_Kd /dev/zero\n");
+  expectNote(good("a.obj", square()), "64 million");
+  // What a decoder would unpack, and throw away.
+  folder_.write("a.png", whole + std::string(2 << 20, '\0'));
+  expectNote(good("a.obj", square()), "more data");
+  std::filesystem::create_symlink("/dev/zero", folder_.path() / "zero");
+  folder_.write("a.mtl", "newmtl skin\nmap_Kd zero\n");
   expectNote(good("a.obj", square()), "not a regular file");
+}
+
+TEST_F(MeshColors, OneOddNumberDoesNotChangeTheOtherColours) {
+  std::string obj;
+  for (int n = 0; n < 12; ++n) obj += fmt::format("v {} {} 0 0.5 0.5 0.5\n", n, n * n);
+  for (const char* odd : {"300 0 0", "1.0 0.0 0.0"})
+    EXPECT_EQ(good("a.obj", obj + "v 0 0 1 " + odd + "\nf 1 2 3\n").mesh.vertex_colors[0], (Rgba8{128, 128, 128, 255}))
+        << odd;
+
+  std::string ply = "ply\nformat binary_little_endian 1.0\nelement vertex 3\n";
+  for (const char* name : {"x", "y", "z", "red", "green", "blue"}) ply += fmt::format("property float {}\n", name);
+  ply += "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+  for (int n = 0; n < 3; ++n) {
+    for (const float x : {static_cast<float>(n), static_cast<float>(n * n), 0.0f}) ply += samples::bytes(x);
+    for (int k = 0; k < 3; ++k) ply += samples::bytes(n == 2 ? std::numeric_limits<float>::infinity() : 0.5f);
+  }
+  ply += '\3';
+  for (const std::int32_t v : {0, 1, 2}) ply += samples::bytes(v);
+  const MeshFile file = good("a.ply", ply);
+  ASSERT_EQ(file.mesh.vertex_colors.size(), 3u);
+  EXPECT_EQ(file.mesh.vertex_colors[0], (Rgba8{128, 128, 128, 255}));
+  EXPECT_EQ(file.mesh.vertex_colors[2], kNone);
+}
+
+// Another patient's export may lie at that place.
+TEST_F(MeshColors, AnAbsolutePathFindsOnlyWhatLiesBesideTheMesh) {
+  const TemporaryFolder other;
+  other.write("a.png", png());
+  folder_.write("a.mtl", "newmtl skin\nmap_Kd " + (other.path() / "a.png").string() + "\n");
+  EXPECT_TRUE(good("a.obj", square()).mesh.vertex_colors.empty());
+  folder_.write("a.png", png());
+  EXPECT_EQ(good("a.obj", square()).mesh.vertex_colors, kOfSquare);
+}
+
+TEST_F(MeshColors, WhatATextureDoesNotCoverIsSaid) {
+  folder_.write("a.png", png());
+  folder_.write("a.mtl", "newmtl skin\nKd 1 0 0\nmap_Kd a.png\n");
+  const std::string vertices = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\n";
+  const MeshFile bare = good("bare.obj", vertices + "usemtl skin\nf 1 2 3\n");
+  EXPECT_EQ(bare.mesh.face_colors, (std::vector<Rgba8>{kRed}));
+  expectNote(bare, "no face has texture coordinates");
+  expectNote(good("half.obj", vertices + "usemtl skin\nf 1/1 2/1 3/1\nf 1 3 4\n"), "3 corners");
+  expectNote(good("other.obj", vertices + "usemtl absent\nf 1 2 3\n"), "\"absent\"");
 }
 
 TEST_F(MeshColors, NoBytesOfATextureBreakTheMesh) {

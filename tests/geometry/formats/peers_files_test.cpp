@@ -64,6 +64,9 @@ TEST_F(PeersFiles, AByteOrderMarkIsSkipped) {
   expectMended("b.ply", mark + samples::binaryPly(false), "byte order mark");
   expectMended("a.off", mark + samples::off(), "byte order mark");
   // The header of a binary STL may hold any bytes.
+  std::string wide = samples::binaryStl("", 0);
+  for (std::size_t n = 0; n < 80; ++n) wide[n] = n % 2 == 0 ? 'K' : '\0';
+  expectMended("wide.stl", wide, "counts 0 triangles");
   EXPECT_EQ(read("b.stl", samples::binaryStl(mark))->format, "binary STL");
 }
 
@@ -95,6 +98,9 @@ TEST_F(PeersFiles, WordsThatDoNotBelongToAnAsciiStlAreSkipped) {
   expectMended("a.stl", replaced(samples::asciiStl(), "endfacet", "endfacet facet_of_tooth 12"), "4 places");
   expectMended("b.stl", replaced(samples::asciiStl(), "endfacet", "endfacet 17"), "4 places");
   expectMended("c.stl", replaced(samples::asciiStl(), "outer loop", "outer loop begin"), "4 places");
+  const auto one_line = read("d.stl", replaced(samples::asciiStl(), "endfacet\n", "endfacet x "));
+  ASSERT_TRUE(one_line) << one_line.error().message();
+  EXPECT_EQ(one_line->mesh.triangles.size(), 4u) << "a facet behind an odd word is one";
   // Several facets in one line are right, and a fourth number may be a corner's.
   EXPECT_TRUE(read("line.stl", replaced(samples::asciiStl(), "endfacet\n", "endfacet "))->notes.empty());
   EXPECT_FALSE(read("numbers.stl", replaced(samples::asciiStl(), "+1.5 0 0", "1 5 0 0")));
