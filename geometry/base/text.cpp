@@ -32,9 +32,11 @@ Expected<std::string> readSmallFile(const std::filesystem::path& file, std::size
   else if (!S_ISREG(status.st_mode))
     read = refuse(Error::Code::kUnreadable, S_ISDIR(status.st_mode) ? "a folder" : "a pipe or a device");
   else
-    out.resize(std::min(static_cast<std::size_t>(status.st_size), most_bytes) + 1);  // it may grow meanwhile
+    out.resize(std::min(static_cast<std::size_t>(status.st_size), most_bytes) + 1);
   std::size_t size = 0;
-  while (read && size < out.size()) {
+  while (read && size <= most_bytes) {
+    if (size == out.size())
+      out.resize(std::min(2 * size, most_bytes) + 1);  // it has grown, or tells no size, as in /proc
     const ssize_t n = ::read(fd, out.data() + size, out.size() - size);
     if (n < 0 && errno == EINTR) continue;
     if (n < 0) read = refuse(Error::Code::kUnreadable, reason());
