@@ -13,15 +13,23 @@ namespace kerf {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+// Not ended, or ended without its field.
+bool isLost(const fs::path& folder, const RunManifest& manifest) {
+  std::error_code none;
+  const bool has_field = fs::file_size(folder / "run.vdb", none) > 0 && !none;
+  return manifest.is_open || (manifest.mode == kModeSession && !has_field);
+}
+
+}  // namespace
+
 std::vector<LostSession> findLostSessions(const fs::path& data) {
   std::vector<LostSession> out;
   std::error_code failed;
   for (const fs::directory_entry& entry : fs::directory_iterator(data / "sessions", failed)) {
     const auto manifest = readRunManifest(entry.path());
-    std::error_code none;
-    const bool lacks_field =
-        manifest && manifest->mode == kModeSession && (fs::file_size(entry.path() / "run.vdb", none) == 0 || none);
-    if (!manifest || !(manifest->is_open || lacks_field) || !RunLock::take(entry.path())) continue;
+    if (!manifest || !isLost(entry.path(), *manifest) || !RunLock::take(entry.path())) continue;
     out.push_back({entry.path(), fs::path(manifest->case_path).stem().string()});
   }
 
@@ -43,7 +51,7 @@ std::uintmax_t bytesOf(const LostSession& lost) {
 
 Expected<void> discardSession(const fs::path& folder) {
   KERF_TRY(manifest, readRunManifest(folder));
-  if (!manifest.is_open)
+  if (!isLost(folder, manifest))
     return fail({.code = Error::Code::kUnsupported,
                  .file = folder.string(),
                  .found = "a run that has ended",

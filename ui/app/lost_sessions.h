@@ -26,7 +26,7 @@ std::vector<LostSession> findLostSessions(const std::filesystem::path& data);
 /// Bytes of the files in its folder; 0 if it is gone.
 std::uintmax_t bytesOf(const LostSession& lost);
 
-/// Deletes the folder of an open session, all of it.   Errors: kUnsupported for a run that has ended, and while another
+/// Deletes the folder of a lost session, all of it.   Errors: kUnsupported for a run that has ended, and while another
 /// program works on it; kWriteFailed, also where something lies in it that Kerf did not write; those of reading its
 /// manifest.
 Expected<void> discardSession(const std::filesystem::path& folder);

@@ -12,7 +12,9 @@ volatile std::sig_atomic_t told_to_end = 0;
 }  // namespace
 
 void endWhenTold() {
-  for (const int number : {SIGTERM, SIGINT, SIGHUP}) std::signal(number, [](int signal) { told_to_end = signal; });
+  for (const int number : {SIGTERM, SIGINT, SIGHUP})
+    if (std::signal(number, [](int signal) { told_to_end = signal; }) == SIG_IGN)
+      std::signal(number, SIG_IGN);  // nohup, or in the background
 }
 
 int toldToEnd() { return told_to_end; }
