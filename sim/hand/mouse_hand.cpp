@@ -124,14 +124,14 @@ DeviceSample MouseHand::send(bool is_pressed) noexcept {
   return out;
 }
 
-// A finger rest: stiff sideways. A guide is one of its own.
+// A finger rest: stiff sideways. A guide is one of its own, and a tilted tool goes sideways as it goes down.
 void MouseHand::holdAtPlace(bool is_pressed) noexcept {
   const Vec3d was = tool_;
   tool_ = sent_ + felt_ / stiffness_ + early_ * speed_of_sent_;  // and early_ times its own speed
   tool_ = (kTick * tool_ + early_ * was) / (kTick + early_);
 
   Vec3d wanted = Vec3d::Zero();
-  if (is_pressed && aim_.guide.isZero(0)) wanted = -kFirm * (2 * tool_ - was - pose_.translation);
+  if (is_pressed && aim_.guide.isZero(0) && !isTilted()) wanted = -kFirm * (2 * tool_ - was - pose_.translation);
   wanted -= axis_.dot(wanted) * axis_;
   const double most = kRestYields * std::max(kLeast, aim_.force) / stiffness_;
   if (const double size = wanted.norm(); size > most) wanted *= most / size;

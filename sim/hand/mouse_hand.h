@@ -9,7 +9,7 @@
 //                    depth of the tool, which is the hand's less felt / K
 //   sideways         v = kFollow (pointer - hand), at most kSideways, less as the side force felt nears its limit
 //   surface          as loaded: followed under the hand tick by tick, found under the tool; the higher one counts
-//   at its place     the hand stands kFirm (place - tool) beside its place: a finger rest, which holds the tool there
+//   at its place     the hand of an upright tool stands kFirm (place - tool) beside it: a finger rest, which holds it
 //                    with 1 + kFirm times the coupling's stiffness, and with at most twice the force
 //   what is kept     l = distance of the tool to pulp, nerve or neighbour - what shall be left; the way to the depth is
 //   l at most.
