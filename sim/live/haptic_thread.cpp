@@ -106,6 +106,7 @@ struct HapticThread::State {
   bool handleCommands() noexcept;  // true: there was a pause
   bool undoOrRedo(const Command& command) noexcept;
   void tick(bool is_stalled) noexcept;
+  void measure(const DeviceSample& sample) noexcept;
   DeviceForce withVibration(const StepOutput& output) noexcept;
   void keepTime(std::int64_t wake) noexcept;
   void restartSchedule() noexcept;
@@ -126,6 +127,7 @@ struct HapticThread::State {
   std::vector<Command> begun;  // by HapticOptions::begin
   std::optional<PieceMaker> maker;
   LiveHeat heat;
+  StrokePeaks peaks;
   DeviceSource* device = nullptr;
   RealTimeGrant grant;
   std::binary_semaphore is_granted{0};
@@ -198,8 +200,8 @@ void HapticThread::State::pauseFor(const Work& work) noexcept {
     none.T_world_device = session.state().device.pose;
     none.is_valid = 0;
     session.step(none, report.output);
-    ++report.counts.ticks;
     device->write(report.output.force);
+    measure(none);
   }
 
   work();
@@ -284,12 +286,23 @@ void HapticThread::State::tick(bool is_stalled) noexcept {
   }
   session.step(sample, report.output);
   device->write(withVibration(report.output));
-  heat.tick(session.state().tool, sample, report.output, session.state().objects);
-  ++report.counts.ticks;
+  measure(sample);
   report.counts.out_of_bricks += (report.output.status & (kStepBricksRanOut | kStepNearRanOut)) != 0;
   report.counts.edits_waiting = exportBricks();
   if (maker) maker->afterTick(session, report.output);
   publish();
+}
+
+// The tick that was just done: its heat, and its peaks.
+void HapticThread::State::measure(const DeviceSample& sample) noexcept {
+  ++report.counts.ticks;
+  heat.tick(session.state().tool, sample, report.output, session.state().objects);
+  const HeatReport& now = heat.report();
+  StrokePeaks::Distances distances;
+  distances.fill(HeatReport::kFarOff);
+  std::copy(now.kept_mm.begin(), now.kept_mm.end(), distances.begin());
+  peaks.tick(sample, report.output, session.undoList(), session.state().tick - 1,
+             now.is_known ? now.surface : HeatReport::kFarOff, distances);
 }
 
 // The force of a tick with what the tool in use makes vibrate.
@@ -383,6 +396,7 @@ void HapticThread::State::windDown() noexcept {
   releaseRealTime(grant);
   if (maker) maker->abandon(session);
   session.finish();
+  peaks.follow(session.undoList());
   report.output.force = {};
   // A subscriber is to have all of its feed; but one that is gone is not waited for.
   for (int n = 0; n < 2000 && (unsent = exportBricks()) > 0; ++n) sleepUntil(monotonicNow() + kPeriod);
@@ -439,6 +453,13 @@ bool HapticThread::update() noexcept { return state_->reports.update(); }
 const HapticReport& HapticThread::report() const noexcept { return state_->reports.front(); }
 bool HapticThread::updateTimes() noexcept { return state_->newest_times.update(); }
 const HapticTimes& HapticThread::times() const noexcept { return state_->newest_times.front(); }
+
+SessionPeaks HapticThread::peaks() const {
+  SessionPeaks out{state_->peaks.standing(), state_->peaks.takenBack(), {}, state_->heat.report().alarms};
+  if (const Structures* const structures = state_->heat.structures())
+    for (const Structures::Structure& structure : structures->all()) out.kept.push_back(structure.id);
+  return out;
+}
 
 void HapticThread::stop() {
   state_->is_stopping.store(true, std::memory_order_release);

@@ -25,6 +25,7 @@
 #include "sim/live/live_heat.h"
 #include "sim/live/piece_maker.h"
 #include "sim/live/realtime.h"
+#include "sim/live/stroke_peaks.h"
 #include "sim/live/time_histogram.h"
 #include "sim/monitor/felt_vibration.h"
 #include "sim/object/brick_feed.h"
@@ -156,6 +157,8 @@ class HapticThread {
   /// The same for times, which come every tenth of a second and at the end.
   bool updateTimes() noexcept;
   const HapticTimes& times() const noexcept;
+  /// Of all ticks. After stop().
+  SessionPeaks peaks() const;
 
   /// Ends after the tick under way: force zero, device disarmed, the session finished and recorded, the last changed
   /// bricks pushed into the feeds. Waits for a full feed for two seconds at most; what is left then is in

@@ -27,13 +27,18 @@ void LiveHeat::tick(std::size_t tool, const DeviceSample& sample, const StepOutp
                     std::span<const CutObject> objects) noexcept {
   Tool* const in_use = tool < ready_.size() ? ready_[tool].load(std::memory_order_acquire) : nullptr;
   report_.is_known = in_use != nullptr;
+  report_.kept_mm.fill(HeatReport::kFarOff);
   if (!in_use) return;
 
-  if (structures_ && (output.objects_touched & objectBit(0))) {
+  if (structures_) {
+    // Where a piece was moved to, its pulp goes with it: the place of the first object counts.
     const Rigid3 T_object_tool = objects.front().T_world_object.inverse() * output.T_world_tool;
-    for (const Structures::Structure& structure : structures_->all()) {
+    for (std::size_t n = 0; n < structures_->all().size(); ++n) {
+      const Structures::Structure& structure = structures_->all()[n];
       const KeepOut::Reading nearest = structure.field->read(in_use->samples, T_object_tool);
-      if (!nearest.is_far) heat_.watch(structure.material, *structure.field, nearest);
+      if (nearest.is_far) continue;
+      report_.kept_mm[n] = nearest.distance;
+      if (output.objects_touched & objectBit(0)) heat_.watch(structure.material, *structure.field, nearest);
     }
   }
   heat_.tick(in_use->heating, sample, output, objects);

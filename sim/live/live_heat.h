@@ -6,6 +6,7 @@
 
 #include <array>
 #include <atomic>
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -22,6 +23,9 @@ struct HeatReport {
   double pulp_rise = 0;           ///< K above the body's, the warmest of it that the tool came near
   double nerve_rise = 0;          ///< the same of nerve canals
   HeatAlarms alarms;
+  /// From the cutting part of the tool to each of Structures::all(), mm. Not a number: farther than is measured.
+  std::array<double, 2> kept_mm{kFarOff, kFarOff};
+  static constexpr double kFarOff = std::numeric_limits<double>::quiet_NaN();
 };
 
 class LiveHeat {
@@ -31,14 +35,15 @@ class LiveHeat {
 
   // One thread, not the haptic one.
 
-  /// Pulp and nerve canals of the first object, whose temperature is followed. Before the first tick.
+  /// Pulp and nerve canals of the first object, whose temperature and distance are followed. Before the first tick.
   void watch(std::shared_ptr<const Structures> structures) { structures_ = std::move(structures); }
+  const Structures* structures() const noexcept { return structures_.get(); }
   /// From now on this tool heats. A second time, or no tool of the model: nothing.   @cost  some ms.
   void add(std::size_t tool, const ToolSamples& samples, const HeatSource& source);
 
   // The haptic thread.
 
-  /// After step(). @rt   @cost  6 us, and where the tool touches as much for each structure.
+  /// After step(). @rt   @cost  6 us, and as much for each structure.
   void tick(std::size_t tool, const DeviceSample& sample, const StepOutput& output,
             std::span<const CutObject> objects) noexcept;
   const HeatReport& report() const noexcept { return report_; }

@@ -14,6 +14,7 @@
 #include "sim/run/removed_volumes.h"
 #include "sim/run/run_files.h"
 #include "sim/run/run_output.h"
+#include "sim/run/run_report.h"
 #include "sim/run/session_pieces.h"
 
 namespace kerf {
@@ -407,6 +408,8 @@ Expected<RunManifest> LiveRun::finish(bool keeps_log) {
   std::vector<const BrickField*> beside;  // null: as the session has loaded it
   for (const LiveNeighbour& other : neighbours_)
     beside.push_back(other.known.has_begin ? other.original.get() : nullptr);
+  // Without it, as on a full disk, the log has its numbers.
+  manifest_.summary_sha256 = internal::writeSessionSummary(folder_, haptic_->peaks()).value_or("");
   auto ended = endSessionRun(folder_, haptic_->session(), manifest_, labels_,
                              options_.from.empty() ? nullptr : original_.get(), beside);
   if (ended && closed) return manifest_;

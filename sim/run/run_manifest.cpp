@@ -53,7 +53,6 @@ void readToolAndPath(TomlTable& top, RunManifest& m) {
   if (m.path_file != "path.csv" && m.path_file != "path.toml")
     top.reject("path_file", "\"" + m.path_file + "\"", "\"path.csv\" or \"path.toml\"");
   m.path_sha256 = top.get<std::string>("path_sha256", "64 hexadecimal digits");
-  m.summary_sha256 = top.getOr<std::string>("summary_sha256", "", "64 hexadecimal digits");
   m.segments = static_cast<std::size_t>(top.number("segments", 0, 1e12, "motions"));
   m.path_length_mm = top.number("path_length_mm", 0, 1e9, "mm");
 }
@@ -191,6 +190,7 @@ Expected<RunManifest> readRunManifest(const fs::path& folder) {
   else
     top.reject("mode", "\"" + m.mode + "\"", modes);
 
+  m.summary_sha256 = top.getOr<std::string>("summary_sha256", "", "64 hexadecimal digits");
   m.begin_sha256 = top.getOr<std::string>("begin_sha256", "", "64 hexadecimal digits");
   m.duration_s = top.number("duration_s", 0, 1e9, "s");
   m.voxel_mm = top.number("voxel_mm", 0.001, 100);
@@ -216,6 +216,7 @@ Expected<void> writeRunManifest(const fs::path& folder, const RunManifest& m) {
       {"state_hash", m.state_hash}, {"field_sha256", m.field_sha256},
   };
   if (!m.begin_sha256.empty()) root.insert("begin_sha256", m.begin_sha256);
+  if (!m.summary_sha256.empty()) root.insert("summary_sha256", m.summary_sha256);
   if (m.mode == kModeSession) {
     root.insert("is_open", m.is_open);
     toml::array tools;
@@ -226,7 +227,6 @@ Expected<void> writeRunManifest(const fs::path& folder, const RunManifest& m) {
     root.insert("tool_sha256", m.tool_sha256);
     root.insert("path_file", m.path_file);
     root.insert("path_sha256", m.path_sha256);
-    if (!m.summary_sha256.empty()) root.insert("summary_sha256", m.summary_sha256);
     root.insert("segments", static_cast<std::int64_t>(m.segments));
     root.insert("path_length_mm", m.path_length_mm);
   }

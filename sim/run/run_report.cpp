@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "geometry/base/atomic_file.h"
 #include "geometry/base/hash.h"
 #include "geometry/base/text.h"
 #include "geometry/case/case_bundle.h"
@@ -86,7 +87,10 @@ class Summary {
       return out;
     }
     for (const auto& [id, value] : table->items())
-      if (const auto number = checked(value, fmt::format("key {}, {}", key, id), range)) out[id] = *number;
+      if (value.is_null())
+        continue;
+      else if (const auto number = checked(value, fmt::format("key {}, {}", key, id), range))
+        out[id] = *number;
     return out;
   }
 
@@ -143,6 +147,23 @@ class Summary {
   std::optional<Error> error_;
 };
 
+// A peak and its time, by the keys of both.
+std::optional<RunReport::Peak> peakIn(Summary& s, const char* key, const Range& range, const char* at) {
+  const auto value = s.number(key, range);
+  if (!value) return {};
+  return RunReport::Peak{*value, s.number(at, kTime)};
+}
+
+std::map<std::string, RunReport::Peak> distancesIn(Summary& s) {
+  std::map<std::string, RunReport::Peak> out;
+  const auto times = s.numbers("least_distance_at_s", kTime);
+  for (const auto& [id, mm] : s.numbers("least_distance_mm", kDistance)) {
+    const auto at = times.find(id);
+    out[id] = {mm, at == times.end() ? std::nullopt : std::optional(at->second)};
+  }
+  return out;
+}
+
 // A time that is negative stands for never.
 RunReport::FirstTime firstTime(double at_s) { return at_s < 0 ? RunReport::FirstTime{} : RunReport::FirstTime{at_s}; }
 
@@ -167,15 +188,19 @@ Expected<void> takeSummary(const fs::path& file, RunReport& out) {
     out.farthest_off_at = s.point("farthest_off_at");
   }
 
-  if (const auto force = s.number("peak_contact_force_N", kForce))
-    out.contact_force = RunReport::Peak{*force, s.number("peak_contact_force_at_s", kTime)};
+  out.mean_contact_force = s.number("mean_contact_force_N", kForce);
+  out.contact_force = peakIn(s, "peak_contact_force_N", kForce, "peak_contact_force_at_s");
   out.stalled_s = s.number("stalled_s", kTime);
-  if (const auto hottest = s.number("hottest_C", kTemperature))
-    out.hottest = RunReport::Peak{*hottest, s.number("hottest_at_s", kTime)};
-  const auto times = s.numbers("least_distance_at_s", kTime);
-  for (const auto& [id, mm] : s.numbers("least_distance_mm", kDistance)) {
-    const auto at = times.find(id);
-    out.least_distance[id] = RunReport::Peak{mm, at == times.end() ? std::nullopt : std::optional(at->second)};
+  out.hottest = peakIn(s, "hottest_C", kTemperature, "hottest_at_s");
+  if (const auto kept = j.find("least_distance_mm"); kept != j.end() && kept->is_object())
+    for (const auto& [id, value] : kept->items()) out.least_distance[id];  // null: it never came near
+  for (const auto& [id, peak] : distancesIn(s)) out.least_distance[id] = peak;
+  if (const auto back = j.find("taken_back"); back != j.end() && back->is_object()) {
+    Summary of(*back, file);
+    out.taken_back.contact_force = peakIn(of, "peak_contact_force_N", kForce, "peak_contact_force_at_s");
+    out.taken_back.hottest = peakIn(of, "hottest_C", kTemperature, "hottest_at_s");
+    out.taken_back.least_distance = distancesIn(of);
+    KERF_CHECK(of.finish());
   }
   if (out.hottest) {
     out.bone_limit = firstTime(s.number("bone_limit_at_s", kTimeOrNever).value_or(-1));
@@ -303,9 +328,14 @@ Expected<void> takeSeries(const fs::path& run_folder, bool replays, const Progre
     return {};
   }
   const bool has_table = fs::is_regular_file(run_folder / internal::kRunForces);
+  if (mode == kModeSession && !replays && out.contact_force && out.hottest) {
+    if (!out.manifest.beside.empty())
+      out.missing.push_back("distances to what stood beside: kerf info --replay " + run_folder.string());
+    return {};
+  }
   if (mode == kModeSession && !has_table && !replays) {
     out.missing.push_back(
-        fmt::format("force, temperature, distances: a session keeps its log alone; kerf info "
+        fmt::format("force, temperature, distances: this session has no summary, only its log; kerf info "
                     "--replay {} replays its {:.0f} s for them, in about a quarter of that time",
                     run_folder.string(), out.manifest.duration_s));
     return {};
@@ -339,6 +369,69 @@ static double secondsStalled(const RunSeries& series) {
   return stalled;
 }
 
+namespace {
+
+std::optional<RunReport::Peak> reportedPeak(const CutPeaks::Peak& peak) {
+  if (!peak.isKnown()) return {};
+  return RunReport::Peak{peak.value, peak.at_s};
+}
+
+}  // namespace
+
+// A peak that was taken back counts if there is no other, or it is worse.
+void internal::addPeaks(const SessionPeaks& peaks, RunReport& out) {
+  const CutPeaks &now = peaks.standing, &back = peaks.taken_back;
+  const auto isMore = [](const CutPeaks::Peak& a, const CutPeaks::Peak& b) {
+    return a.isKnown() && (!b.isKnown() || a.value > b.value);
+  };
+  out.mean_contact_force = now.meanContact();
+  out.contact_force = reportedPeak(now.contact_N);
+  out.hottest = reportedPeak(now.celsius);
+  if (isMore(back.contact_N, now.contact_N)) out.taken_back.contact_force = reportedPeak(back.contact_N);
+  if (isMore(back.celsius, now.celsius)) out.taken_back.hottest = reportedPeak(back.celsius);
+  const auto limit = [](double at_s) { return at_s < 0 ? RunReport::FirstTime{} : RunReport::FirstTime{at_s}; };
+  out.bone_limit = limit(peaks.alarms.bone_warm);
+  out.pulp_limit = limit(peaks.alarms.pulp);
+  for (std::size_t n = 0; n < peaks.kept.size(); ++n) {
+    const CutPeaks::Peak &stands = now.nearest_mm[n], &undone = back.nearest_mm[n];
+    out.least_distance[peaks.kept[n]] = reportedPeak(stands);
+    if (undone.isKnown() && (!stands.isKnown() || undone.value < stands.value))
+      out.taken_back.least_distance[peaks.kept[n]] = *reportedPeak(undone);
+  }
+}
+
+json peaksJson(const RunReport& r) {
+  const auto valueOf = [](const std::optional<RunReport::Peak>& p) { return p ? json(p->value) : json(); };
+  const auto timeOf = [](const std::optional<RunReport::Peak>& p) { return p && p->at_s ? json(*p->at_s) : json(); };
+  const auto limit = [](const std::optional<RunReport::FirstTime>& t) { return t && *t ? json(**t) : json(); };
+  const auto table = [&](const auto& force, const auto& hottest, const auto& distances) {
+    json out{{"peak_contact_force_N", valueOf(force)}, {"peak_contact_force_at_s", timeOf(force)},
+             {"hottest_C", valueOf(hottest)},          {"hottest_at_s", timeOf(hottest)},
+             {"least_distance_mm", json::object()},    {"least_distance_at_s", json::object()}};
+    for (const auto& [id, least] : distances) {
+      out["least_distance_mm"][id] = valueOf(least);
+      out["least_distance_at_s"][id] = timeOf(least);
+    }
+    return out;
+  };
+  json out = table(r.contact_force, r.hottest, r.least_distance);
+  out["mean_contact_force_N"] = r.mean_contact_force ? json(*r.mean_contact_force) : json();
+  out["bone_limit_at_s"] = limit(r.bone_limit);
+  out["pulp_limit_at_s"] = limit(r.pulp_limit);
+  out["taken_back"] = table(r.taken_back.contact_force, r.taken_back.hottest, r.taken_back.least_distance);
+  return out;
+}
+
+Expected<std::string> internal::writeSessionSummary(const fs::path& run_folder, const SessionPeaks& peaks) {
+  RunReport report;
+  addPeaks(peaks, report);
+  const fs::path path = run_folder / kRunSummary;
+  KERF_TRY(file, AtomicFile::create(path));
+  file.stream() << peaksJson(report).dump(2) << "\n";
+  KERF_CHECK(file.commit());
+  return sha256OfFile(path);
+}
+
 void internal::addPeaks(const RunSeries& series, RunReport& out) {
   if (series.size() == 0) return;
   if (!out.stalled_s && series.speed.size() == series.size()) out.stalled_s = secondsStalled(series);
@@ -354,6 +447,7 @@ void internal::addPeaks(const RunSeries& series, RunReport& out) {
       known = found;
   };
 
+  if (series.peaks) return addPeaks(*series.peaks, out);
   take(out.contact_force, peakOf(series.contact_N, std::max_element(series.contact_N.begin(), series.contact_N.end())));
   take(out.hottest,
        peakOf(series.temperature_C, std::max_element(series.temperature_C.begin(), series.temperature_C.end())));

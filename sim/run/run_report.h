@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <map>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -43,10 +44,17 @@ struct RunReport {
   std::optional<double> farthest_off_mm;  ///< of the tip from its path
   std::optional<Vec3d> farthest_off_at;   ///< mm, where the tip was then
 
+  // Of strokes that stand: those that were taken back are in `taken_back`.
+  std::optional<double> mean_contact_force;                   ///< N, over the time in contact
   std::optional<Peak> contact_force;                          ///< largest on the tool, N
   std::map<std::string, std::optional<Peak>> least_distance;  ///< mm by structure; nothing inside: it never came near
   std::optional<Peak> hottest;                                ///< C, under the tool
   std::optional<FirstTime> bone_limit, pulp_limit;            ///< 47 C in bone, 5.5 K in the pulp
+  /// Peaks of strokes that were taken back, if they are worse.
+  struct TakenBack {
+    std::optional<Peak> contact_force, hottest;
+    std::map<std::string, Peak> least_distance;
+  } taken_back;
 
   std::optional<CutSettings> settings;  ///< with what a path was cut against resistance; older runs do not say
 
@@ -68,6 +76,9 @@ struct RunReport {
 Expected<RunReport> readRunReport(const std::filesystem::path& run_folder, bool replays = false,
                                   const Progress& progress = {});
 
+/// The peaks of a report, as summary.json has them; null: not known, or never.
+nlohmann::json peaksJson(const RunReport& report);
+
 /// Of that only what manifest and summary.json state; nothing is counted or replayed, and `missing` says nothing.
 /// @cost  milliseconds.
 Expected<RunReport> readRunSummary(const std::filesystem::path& run_folder);
@@ -76,6 +87,10 @@ namespace internal {
 
 /// Largest force, highest temperature and least distances of a series, with their times.
 void addPeaks(const RunSeries& series, RunReport& report);
+void addPeaks(const SessionPeaks& peaks, RunReport& report);
+
+/// Writes summary.json of a session: its peaks.   @return its hash. Error kWriteFailed.
+Expected<std::string> writeSessionSummary(const std::filesystem::path& run_folder, const SessionPeaks& peaks);
 
 }  // namespace internal
 }  // namespace kerf

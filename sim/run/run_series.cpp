@@ -186,40 +186,52 @@ class SessionMonitor {
     KERF_TRY(structures, Structures::of(*recording.objects.front()));
     out.structures_ = structures;
     out.heat_->watch(structures);
-    for (const Structures::Structure& s : structures->all()) out.fields_.push_back({s.id, 0, s.field});
     for (std::size_t n = 1; n < recording.objects.size(); ++n) {
       const BakedObject& other = *recording.objects[n];
       KERF_TRY(field, KeepOut::ofSolid(other, keepOutReach(other.voxel())));
-      out.fields_.push_back({neighbourId(n), n, field});
+      out.beside_.push_back(field);
     }
     return out;
   }
 
   void prepare(RunSeries& series) const {
-    for (const Field& field : fields_) series.distances.push_back({field.id, {}});
+    for (const Structures::Structure& s : structures_->all()) series.distances.push_back({s.id, {}});
+    for (std::size_t n = 0; n < beside_.size(); ++n) series.distances.push_back({neighbourId(n + 1), {}});
   }
 
-  void tick(const State& state, const DeviceSample& sample, const StepOutput& output, RunSeries& series) {
+  void tick(const Session& session, const DeviceSample& sample, const StepOutput& output, RunSeries& series) {
+    const State& state = session.state();
     const ToolSamples& samples = samplesOf(state.tool);
     heat_->tick(state.tool, sample, output, state.objects);
-    series.temperature_C.push_back(static_cast<float>(heat_->report().surface));
+    const double celsius = heat_->report().surface;
+    series.temperature_C.push_back(static_cast<float>(celsius));
 
-    for (std::size_t n = 0; n < fields_.size(); ++n) {
-      // Where a piece was moved to, its pulp goes with it: the first object's own place counts, as in the window.
-      const CutObject& object = state.objects[fields_[n].object];
-      const auto reading = fields_[n].field->read(samples, object.T_world_object.inverse() * output.T_world_tool);
-      const double mm = reading.is_far ? std::numeric_limits<double>::quiet_NaN() : reading.distance;
-      series.distances[n].mm.push_back(static_cast<float>(mm));
+    StrokePeaks::Distances distances;
+    distances.fill(HeatReport::kFarOff);
+    const auto& kept = heat_->report().kept_mm;
+    std::copy(kept.begin(), kept.end(), distances.begin());
+    const std::size_t structures = structures_->all().size();
+    for (std::size_t n = 0; n < beside_.size(); ++n) {
+      const Rigid3& T_world_object = state.objects[n + 1].T_world_object;
+      const auto reading = beside_[n]->read(samples, T_world_object.inverse() * output.T_world_tool);
+      const double mm = reading.is_far ? HeatReport::kFarOff : reading.distance;
+      if (structures + n < distances.size()) distances[structures + n] = mm;
+      series.distances[structures + n].mm.push_back(static_cast<float>(mm));
     }
+    for (std::size_t n = 0; n < structures; ++n) series.distances[n].mm.push_back(static_cast<float>(kept[n]));
+    peaks_.tick(sample, output, session.undoList(), state.tick - 1, celsius, distances);
+  }
+
+  // After the last command.
+  SessionPeaks peaks(const Session& session, const RunSeries& series) {
+    peaks_.follow(session.undoList());
+    SessionPeaks out{peaks_.standing(), peaks_.takenBack(), {}, heat_->report().alarms};
+    for (const RunSeries::Distance& distance : series.distances) out.kept.push_back(distance.id);
+    out.kept.resize(std::min(out.kept.size(), CutPeaks::kMostKept));
+    return out;
   }
 
  private:
-  struct Field {
-    std::string id;
-    std::size_t object;
-    std::shared_ptr<const KeepOut> field;
-  };
-
   SessionMonitor(const internal::Recording& recording, const Model& model)
       : recording_(recording),
         model_(model),
@@ -240,7 +252,8 @@ class SessionMonitor {
   std::vector<ToolSamples> samples_;
   std::unique_ptr<LiveHeat> heat_;
   std::shared_ptr<const Structures> structures_;
-  std::vector<Field> fields_;
+  std::vector<std::shared_ptr<const KeepOut>> beside_;
+  StrokePeaks peaks_;
 };
 
 // Off the case that is worked on, its pieces together, since the run began.
@@ -284,10 +297,11 @@ Expected<RunSeries> replaySeries(const fs::path& run_folder, const RunManifest& 
     out.speed.push_back(static_cast<float>(tick.speed));
     out.drive_load.push_back(static_cast<float>(tick.drive_load));
     out.removed_mm3.push_back(static_cast<float>(removedOffCase(player.session())));
-    monitor.tick(state, recording.log.samples[n].sample, tick, out);
+    monitor.tick(player.session(), recording.log.samples[n].sample, tick, out);
   }
 
   KERF_CHECK(player.handleEvents());
+  out.peaks = monitor.peaks(player.session(), out);
   Replay found = player.found();
   internal::compareEnd(recording.log, manifest, std::numeric_limits<double>::infinity(), found);
   if (found.is_same) return out;

@@ -1,14 +1,16 @@
 // A run against resistance over time: force, drive, temperature, distances, removed volume, a value a tick.
 //
-// A run along a path has kept them: forces.csv. A session by hand keeps its log alone, which is replayed for them.
+// A run along a path has kept them: forces.csv. A session by hand has them in its log, which is replayed.
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "geometry/base/error.h"
 #include "geometry/base/progress.h"
+#include "sim/live/stroke_peaks.h"
 #include "sim/run/run_manifest.h"
 #include "sim/session/session_log.h"
 
@@ -36,6 +38,8 @@ struct RunSeries {
   std::vector<Distance> distances;
 
   std::vector<StrokeSpan> strokes;  ///< in their order
+  /// Of a log: by strokes, those that were taken back apart. None: nothing was taken back.
+  std::optional<SessionPeaks> peaks;
   bool has_spinning_tool = true, has_reciprocating_tool = false;
   std::string source;  ///< "forces.csv", or "session.kerflog, replayed"
 

@@ -57,11 +57,11 @@ class Mouse {
     EXPECT_TRUE(started) << started.error().message();
   }
   // Presses until something was removed, or the depth is reached.
-  void drill(const Vec3d& at, double seconds) {
+  void drill(const Vec3d& at, double seconds, double force = 1.5) {
     ++aim_.stroke;
     aim_.is_pressed = true;
     aim_.anchor = aim_.pointer = at;
-    aim_.force = 1.5;
+    aim_.force = force;
     aim_.depth = 0.5;
     hand_.aim(aim_);
     EXPECT_TRUE(run_.send(PlaceTool{{at[0], at[1], at[2] + 0.3}}));

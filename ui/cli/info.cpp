@@ -298,8 +298,8 @@ void addInfo(CLI::App& command, int& exit_code) {
   command.add_flag("--json", a->json, "as JSON on standard output");
   command.add_flag(
       "--replay", a->replays,
-      "of a session: replay its log for force, temperature and distances, which no file of it keeps; takes "
-      "about a quarter of its time");
+      "of a session: replay its log for distances to what stood beside, and for all peaks of one without a summary; "
+      "takes about a quarter of its time");
   addCasePlaces(command);
   command.callback([a, &exit_code] { exit_code = runInfo(*a); });
 }

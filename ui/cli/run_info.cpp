@@ -61,23 +61,6 @@ void addPlan(const RunReport& r, json& j) {
   j["farthest_off_at_mm"] = at ? json{(*at)[0], (*at)[1], (*at)[2]} : json();
 }
 
-void addPeaks(const RunReport& r, json& j) {
-  j["peak_contact_force_N"] = r.contact_force ? json(r.contact_force->value) : json();
-  j["peak_contact_force_at_s"] = r.contact_force ? orNull(r.contact_force->at_s) : json();
-  j["hottest_C"] = r.hottest ? json(r.hottest->value) : json();
-  j["hottest_at_s"] = r.hottest ? orNull(r.hottest->at_s) : json();
-  j["bone_limit_at_s"] = r.bone_limit ? orNull(*r.bone_limit) : json();
-  j["pulp_limit_at_s"] = r.pulp_limit ? orNull(*r.pulp_limit) : json();
-
-  json distances = json::object(), times = json::object();
-  for (const auto& [id, least] : r.least_distance) {
-    distances[id] = least ? json(least->value) : json();
-    times[id] = least ? orNull(least->at_s) : json();
-  }
-  j["least_distance_mm"] = distances;
-  j["least_distance_at_s"] = times;
-}
-
 void addMoved(const RunManifest& m, json& j) {
   for (const RunManifest::Piece& p : m.pieces) {
     const Vec3d& t = p.T_case_piece.translation;
@@ -160,18 +143,33 @@ std::string nameOf(const std::string& id) {
 }
 
 void printPeaks(const RunReport& r, std::string& out) {
-  if (r.contact_force)
-    out += fmt::format("largest force {:.2f} N{}\n", r.contact_force->value, at(r.contact_force->at_s));
+  // Of a stroke that was taken back, where it was worse there.
+  const auto back = [](const RunReport::Peak* peak, const char* unit) {
+    if (!peak) return std::string();
+    return fmt::format(" ({:.2f} {}{} in a stroke taken back)", std::abs(peak->value), unit, at(peak->at_s));
+  };
+  const auto known = [](const std::optional<RunReport::Peak>& peak) { return peak ? &*peak : nullptr; };
+  if (r.contact_force) {
+    out += fmt::format("largest force {:.2f} N{}", r.contact_force->value, at(r.contact_force->at_s));
+    out += back(known(r.taken_back.contact_force), "N");
+    if (r.mean_contact_force) out += fmt::format("; mean {:.2f} N in contact", *r.mean_contact_force);
+    out += "\n";
+  }
   for (const auto& [id, least] : r.least_distance) {
+    const auto worse = r.taken_back.least_distance.find(id);
+    const auto* const undone = worse == r.taken_back.least_distance.end() ? nullptr : &worse->second;
+    out += nameOf(id) + ": ";
     if (!least)
-      out += fmt::format("{}: never near\n", nameOf(id));
+      out += "never near";
     else if (least->value < 0)
-      out += fmt::format("{}: TOOL IN IT by {:.2f} mm{}\n", nameOf(id), -least->value, at(least->at_s));
+      out += fmt::format("TOOL IN IT by {:.2f} mm{}", -least->value, at(least->at_s));
     else
-      out += fmt::format("{}: {:.2f} mm at the nearest{}\n", nameOf(id), least->value, at(least->at_s));
+      out += fmt::format("{:.2f} mm at the nearest{}", least->value, at(least->at_s));
+    out += back(undone, undone && undone->value < 0 ? "mm inside" : "mm") + "\n";
   }
   if (!r.hottest) return;
   out += fmt::format("highest temperature {:.1f} C{}", r.hottest->value, at(r.hottest->at_s));
+  out += back(known(r.taken_back.hottest), "C");
   const auto limit = [](const char* what, const std::optional<RunReport::FirstTime>& when) {
     if (!when) return std::string();
     return *when ? fmt::format("; {} first at {:.2f} s", what, **when) : fmt::format("; {} never", what);
@@ -212,7 +210,7 @@ json runJson(const RunReport& r) {
          {"voxel_mm", m.voxel_mm}, {"state_hash", m.state_hash}, {"kerf_version", m.kerf_version}};
   addVolumes(r, j);
   addPlan(r, j);
-  addPeaks(r, j);
+  j.update(peaksJson(r));
   j["time_s"] = orNull(r.seconds);
   j["stalled_s"] = orNull(r.stalled_s);
   j["strokes"] = orNull(r.strokes);

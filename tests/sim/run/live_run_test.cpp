@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <thread>
 
+#include "sim/monitor/structures.h"
 #include "sim/run/export_bundle.h"
 #include "sim/run/run_branch.h"
 #include "sim/run/run_files.h"
@@ -75,6 +76,43 @@ TEST(LiveRun, StrokesWithTwoToolsBecomeARunThatReplaysAndExports) {
   ASSERT_TRUE(exported) << exported.error().message();
   EXPECT_GT(exported->post_op.report.removed_volume_mm3, 0.1);
   EXPECT_FALSE(recoverRun(run_folder)) << "it was ended";
+}
+
+TEST(LiveRun, PeaksAreOfStrokesThatStandAndWorseOnesTakenBackAreToldApart) {
+  const TemporaryFolder folder;
+  const fs::path block = bakedBlock(folder), run_folder = folder.path() / "block.run";
+  auto run = LiveRun::open(block, run_folder, someTools());
+  ASSERT_TRUE(run) << run.error().message();
+  const ToolSamples samples((*run)->model().tools[0].cut, kToolSamples);
+  (*run)->thread().heatBy(0, samples, heatSource((*run)->tools()[0].tool));
+  {
+    Mouse mouse(**run);
+    mouse.drill({-1, 0, 0}, 1, 5);
+    mouse.send(Undo{});
+    mouse.drill({1, 0, 0}, 1, 1);
+    mouse.drill({-1, 0, 0}, 1, 6);
+    mouse.send(Undo{});  // at last: nothing comes in its place
+    ASSERT_TRUE((*run)->finish());
+  }
+  run->reset();
+
+  const auto kept = readRunReport(run_folder), replayed = readRunReport(run_folder, true);
+  for (const auto* report : {&kept, &replayed}) {
+    ASSERT_TRUE(*report) << report->error().message();
+    const RunReport& r = **report;
+    ASSERT_TRUE(r.contact_force && r.taken_back.contact_force && r.mean_contact_force);
+    EXPECT_LT(r.contact_force->value, 3) << "of 1 N";
+    EXPECT_GT(r.taken_back.contact_force->value, 4);
+    EXPECT_GT(r.taken_back.contact_force->at_s.value_or(0), r.contact_force->at_s.value_or(1e9)) << "the last one";
+    EXPECT_GT(*r.mean_contact_force, 0.3);
+    EXPECT_LT(*r.mean_contact_force, 1.5);
+    EXPECT_GT(r.removed_mm3.value_or(0), 0.05);
+  }
+  EXPECT_NEAR(kept->contact_force->value, replayed->contact_force->value, 1e-9);
+  EXPECT_NEAR(kept->taken_back.contact_force->value, replayed->taken_back.contact_force->value, 1e-9);
+  EXPECT_NEAR(*kept->mean_contact_force, *replayed->mean_contact_force, 1e-9);
+  EXPECT_NEAR(kept->hottest->value, replayed->hottest->value, 0.01);
+  EXPECT_EQ(kept->is_summary_edited, false);
 }
 
 TEST(LiveRun, WhatAKilledProgramLeavesIsRecovered) {
