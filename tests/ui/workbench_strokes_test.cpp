@@ -13,6 +13,7 @@
 #include "tests/support/temporary_folder.h"
 #include "ui/app/app_commands.h"
 #include "ui/app/app_script.h"
+#include "ui/app/point_readout.h"
 #include "ui/app/pointing.h"
 #include "ui/app/workbench.h"
 
@@ -87,6 +88,34 @@ TEST_F(WorkbenchStrokesTest, WhatIsRemovedIsCountedTissueByTissue) {
   EXPECT_NEAR(bench_->removedOf(Material::kNerveCanal), 0, 1e-9);
   ASSERT_TRUE(play("file.close\nwait\n"));
   EXPECT_EQ(bench_->removedOf(Material::kCortical), 0) << "nothing is open";
+}
+
+TEST_F(WorkbenchStrokesTest, TissueAndPointAreThoseUnderTheToolDuringAStroke) {
+  begin(0.2);
+  const fs::path labels = folder_.write("ct.nrrd", boneAndCanal());
+  ASSERT_TRUE(play("file.open \"" + labels.string() + "\"\nwait\nview.top\nview.fit\ncut.force 3\ncut.depth 0.15\n"))
+      << said();
+  EXPECT_FALSE(readoutOfTool(*bench_));
+  ASSERT_TRUE(play("cut.press 200 150\n"));
+  const Vec3d pressed = bench_->strokePointer();
+  for (int n = 0; n < 10; ++n) {  // in air, while it cuts, and at its depth
+    wait(0.2);
+    const auto under = readoutOfTool(*bench_);
+    ASSERT_TRUE(under) << n;
+    EXPECT_EQ(under->tissue, bench_->nameOf(Material::kCortical)) << n;
+    EXPECT_LT((under->point - pressed).norm(), 0.4) << n;
+  }
+  bench_->deepen(1.2);
+  std::optional<PointReadout> deep;
+  for (int n = 0; n < 100 && !(deep && deep->tissue == bench_->nameOf(Material::kNerveCanal)); ++n) {
+    wait(0.1);
+    deep = readoutOfTool(*bench_);
+    ASSERT_TRUE(deep);
+  }
+  EXPECT_EQ(deep->tissue, bench_->nameOf(Material::kNerveCanal));
+  EXPECT_GT((deep->point - pressed).norm(), 0.3);
+  ASSERT_TRUE(play("cut.release\nwait 0.1\n"));
+  EXPECT_FALSE(readoutOfTool(*bench_)) << "the cursor has its own";
 }
 
 TEST_F(WorkbenchStrokesTest, PushedHarderAStrokePushesTwiceAsHardUntilThatEnds) {

@@ -20,6 +20,7 @@
 #include "ui/app/device_commands.h"
 #include "ui/app/export_plan.h"
 #include "ui/app/import_commands.h"
+#include "ui/app/point_readout.h"
 #include "ui/app/sawing.h"
 #include "ui/app/tissue_display.h"
 
@@ -159,6 +160,10 @@ void printState(const AppContext& c) {
   if (c.bench.isShown()) j["tool"] = c.bench.tool(c.bench.toolInHand()).id;
   if (const auto depth = c.bench.depthNow()) j["depth_now_mm"] = *depth;
   if (const auto depth = c.bench.tipDepth()) j["depth_tip_mm"] = *depth;
+  if (const auto under = readoutOfTool(c.bench)) {
+    j["point_mm"] = {under->point[0], under->point[1], under->point[2]};
+    j["tissue"] = under->tissue;
+  }
   if (const auto near = c.bench.nearStructure({}); near && !near->is_far) {
     j["near"] = near->name;
     j["near_mm"] = near->distance_mm;

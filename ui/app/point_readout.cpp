@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace kerf {
@@ -45,6 +46,20 @@ std::optional<PointReadout> readoutAt(const Workbench& bench, const Ray& ray) {
   const Ray local = inFrame(object.pose(), *seen);
   if (const auto way = object.surface.exit(local, hit->on_surface.way)) out.thickness_mm = *way - hit->on_surface.way;
   if (const auto over = bench.over(ray)) out.T_scan_tool = to_scan * over->T_world_tool;
+  return out;
+}
+
+std::optional<PointReadout> readoutOfTool(const Workbench& bench) {
+  const auto front = bench.toolFront();
+  if (!front) return {};
+  const BakedObject& loaded = bench.run()->object();
+  const StepOutput& now = bench.report().output;
+  PointReadout out;
+  out.point = front->point + std::max(0.0, -front->depth) * front->into;  // in air: where it will touch
+  out.normal = -front->into;
+  const bool touches = now.touching > 0 && (now.objects_touched & objectBit(0));
+  const Material under = touches ? now.material : materialAt(loaded, out.point + 0.5 * loaded.voxel() * front->into);
+  if (under != Material::kNone && under != Material::kGeneric) out.tissue = bench.nameOf(under);
   return out;
 }
 

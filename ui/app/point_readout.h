@@ -20,6 +20,9 @@ struct PointReadout {
 /// None: the ray points beside all.   @cost  as LiveScene::hit().
 std::optional<PointReadout> readoutAt(const Workbench& bench, const Ray& ray);
 
+/// The same under the tool that somebody leads: what it touches, or will touch first. Without a thickness.
+std::optional<PointReadout> readoutOfTool(const Workbench& bench);
+
 /// "12.340, 5.600, -3.200 mm; normal 0.000, 0.100, 0.995; enamel; 4.52 mm thick along the view".
 std::string textOf(const PointReadout& readout);
 /// The tool there, as `kerf cut` reads it: "t,x,y,z,qw,qx,qy,qz", with t = 0.

@@ -84,6 +84,13 @@ struct EndedSession {
 EndedSession endSession(LiveRun& run, const std::vector<std::uint64_t>& dropped,
                         const std::filesystem::path& data_folder, const std::string& name);
 
+/// The part of a tool that goes first, in the frame of the scan.
+struct ToolFront {
+  Vec3d point = Vec3d::Zero();   ///< mm
+  Vec3d into = -Vec3d::UnitZ();  ///< unit: the way it goes in
+  double depth = 0;              ///< below the surface as loaded, along that way, mm; negative in air
+};
+
 /// A tool beside what must be kept.
 struct NearStructure {
   std::string name;         ///< "pulp", "nerve canal"
@@ -272,6 +279,8 @@ class Workbench {
   /// How far what goes first of the tool is below the surface as loaded, mm, along the way it goes in, whoever leads
   /// it; negative in air. None: nobody leads it, or there is no surface above or below.
   std::optional<double> tipDepth() const;
+  /// Of the same tool.
+  std::optional<ToolFront> toolFront() const;
   void stopShort(std::optional<double> mm);
   static constexpr double kMostShort = 5, kUsualShort = 0.5;  ///< mm
 

@@ -115,13 +115,21 @@ std::optional<double> Workbench::depthNow() const {
   return stroke_->depthOf(report_.output.T_world_tool.translation);
 }
 
-std::optional<double> Workbench::tipDepth() const {
+std::optional<ToolFront> Workbench::toolFront() const {
   if (!run_ || (!stroke_ && !isLed() && !saw_->isCutting())) return {};
   const Rigid3 T_object_world = (stroke_ ? aim_.T_world_surface : report_.objects[0].T_world_object).inverse();
   const Rigid3 tool = T_object_world * report_.output.T_world_tool;
   const Plunge& plunge = plunges_[tool_];
-  return depthBelow(*run_->original(), tool * Vec3d(plunge.reach * plunge.direction),
-                    tool.rotation * -plunge.direction);
+  ToolFront out{tool * Vec3d(plunge.reach * plunge.direction), tool.rotation * plunge.direction};
+  const auto depth = depthBelow(*run_->original(), out.point, -out.into);
+  if (!depth) return {};
+  out.depth = *depth;
+  return out;
+}
+
+std::optional<double> Workbench::tipDepth() const {
+  const auto front = toolFront();
+  return front ? std::optional(front->depth) : std::nullopt;
 }
 
 void Workbench::stopShort(std::optional<double> mm) {

@@ -56,9 +56,10 @@ void drawMenus(AppContext& context, PanelState& state) {
 
 // ---- Readings
 
-// What is under the cursor. As many lines when there is nothing: panels below stay where they are.
+// What is under the tool that is led, or under the cursor. As many lines when there is nothing: panels below stay where
+// they are.
 void drawPoint(const AppContext& context, bool is_over) {
-  std::optional<PointReadout> point;
+  std::optional<PointReadout> point = readoutOfTool(context.bench);
   if (is_over && context.pointer) {
     const auto& at = *context.pointer;
     point = readoutAt(context.bench, rayUnder(context.camera, at[0], at[1], context.width, context.height));
