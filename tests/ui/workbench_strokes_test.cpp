@@ -90,6 +90,38 @@ TEST_F(WorkbenchStrokesTest, WhatIsRemovedIsCountedTissueByTissue) {
   EXPECT_EQ(bench_->removedOf(Material::kCortical), 0) << "nothing is open";
 }
 
+TEST_F(WorkbenchStrokesTest, AToolThatRestsOnItsShankIsToldWhileItDoes) {
+  begin(0.1, {folder_
+                  .write("short.toml",
+                         "format = \"kerf-tool\"\nversion = 1\nid = \"short\"\nname = \"Short\"\n"
+                         "kind = \"bur\"\nshape = \"round\"\nhead_diameter = 1.0\nneck_diameter = 0.6\n"
+                         "neck_length = 0.4\nshank_diameter = 1.6\nshank_length = 8.0\n")
+                  .string()});
+  const fs::path block = folder_.path() / "block.ply";
+  ASSERT_TRUE(writeMesh(block, test::blockMesh(false)));
+  ASSERT_TRUE(play("file.open \"" + block.string() +
+                   "\"\nwait\nview.top\nview.fit\ncut.force 2\ncut.depth 2.5\ncut.press 200 150\nwait 0.2\n"
+                   "expect hindered 0 0\n"))
+      << said();
+  for (int n = 0; n < 40 && !bench_->hindrance()[0]; ++n) wait(0.25);
+  EXPECT_NE(std::string(bench_->hindrance()).find("neck or shank rests"), std::string::npos)
+      << *bench_->depthNow() << " mm deep, of the load " << bench_->report().output.normal_load << " N cuts "
+      << bench_->report().output.cutting_load;
+  EXPECT_TRUE(play("wait 0.3\nexpect hindered 1 1\nprint\n"));
+  EXPECT_TRUE(play("cut.release\nwait 0.1\nexpect hindered 0 0\n"));
+  // A stroke that comes to its depth is not hindered, nor is one that cuts.
+  ASSERT_TRUE(play("cut.depth 0.3\ncut.press 280 150\n"));
+  for (int n = 0; n < 12; ++n) {
+    wait(0.25);
+    EXPECT_STREQ(bench_->hindrance(), "") << n;
+  }
+  // Nor does it cut with a drive that stands still.
+  ASSERT_TRUE(play("cut.depth 2\ncut.speed 0\n"));
+  for (int n = 0; n < 60 && !bench_->hindrance()[0]; ++n) wait(0.25);
+  EXPECT_NE(std::string(bench_->hindrance()).find("drive stands still"), std::string::npos);
+  ASSERT_TRUE(play("cut.release\nwait 0.1\n"));
+}
+
 TEST_F(WorkbenchStrokesTest, TissueAndPointAreThoseUnderTheToolDuringAStroke) {
   begin(0.2);
   const fs::path labels = folder_.write("ct.nrrd", boneAndCanal());

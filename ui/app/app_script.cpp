@@ -164,6 +164,7 @@ void printState(const AppContext& c) {
     j["point_mm"] = {under->point[0], under->point[1], under->point[2]};
     j["tissue"] = under->tissue;
   }
+  if (c.bench.hindrance()[0]) j["hindrance"] = c.bench.hindrance();
   if (const auto near = c.bench.nearStructure({}); near && !near->is_far) {
     j["near"] = near->name;
     j["near_mm"] = near->distance_mm;
@@ -208,7 +209,8 @@ double removedBeside(const AppContext& c) {
 }
 
 const std::string kExpected =
-    "removed, depth, tip, loop, near, warm, sawn, triangles, pieces, beside, beside-near, beside-removed, steps, "
+    "removed, depth, tip, loop, near, hindered, warm, sawn, triangles, pieces, beside, beside-near, beside-removed, "
+    "steps, "
     "ahead, branches, time, "
     "same, verdict, device or device-force";
 
@@ -245,6 +247,8 @@ Expected<void> expect(const AppContext& c, AppWords words) {
     value = c.bench.loopHz().value_or(0);
   else if (words[0] == "near")
     value = nearestOf(c);
+  else if (words[0] == "hindered")
+    value = c.bench.hindrance()[0] ? 1 : 0;
   else if (words[0] == "warm")
     value = c.bench.report().heat.surface;
   else if (words[0] == "sawn")

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <thread>
 #include <utility>
 
@@ -111,6 +112,8 @@ void Workbench::takeNews() {
       if (report_.objects[n].loaded == 0) removed_mm3_ += report_.objects[n].removed_mm3;
     warnOfNeighbours();
     addToTrace();
+    const bool cuts_by_hand = isLed() && std::abs(report_.output.speed) > 0;
+    hindrance_.update(report_, stroke_ || saw_->isCutting() || cuts_by_hand, driveShare());
     warnOfHeat();
   }
   loop_rate_.add(report_.counts.ticks, LoopRate::Clock::now());
@@ -289,6 +292,7 @@ void Workbench::show(Opened& loaded) {
   opened_.reset();
   timeline_.clear();
   trace_.clear();
+  hindrance_ = {};
   undos_left_ = 0;
   undos_answered_at_ = 0;
   wish_.reset();

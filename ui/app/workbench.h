@@ -23,6 +23,7 @@
 #include "sim/run/live_run.h"
 #include "ui/app/cut_stamp.h"
 #include "ui/app/exporting.h"
+#include "ui/app/hindrance.h"
 #include "ui/app/job.h"
 #include "ui/app/live_scene.h"
 #include "ui/app/loop_rate.h"
@@ -281,6 +282,8 @@ class Workbench {
   std::optional<double> tipDepth() const;
   /// Of the same tool.
   std::optional<ToolFront> toolFront() const;
+  /// Why the stroke removes nothing and what to do, in English; empty: nothing hinders it.
+  const char* hindrance() const { return hindrance_.text(); }
   void stopShort(std::optional<double> mm);
   static constexpr double kMostShort = 5, kUsualShort = 0.5;  ///< mm
 
@@ -521,6 +524,7 @@ class Workbench {
   std::optional<Branch> opened_;                          // that this session goes on from
   std::map<std::uint64_t, std::filesystem::path> saved_;  // EndedSession::saved of the last one
   Trace trace_;
+  Hindrance hindrance_;
   struct Wish {
     std::uint64_t step = 0;
     std::uint64_t tick = 0;  // from which on the stroke that was ended for it is counted

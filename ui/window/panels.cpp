@@ -179,6 +179,23 @@ void drawScaleBar(const AppContext& context, double pixels) {
                  context.camera, context.width, context.height, pixels, styleColours().guide_text);
 }
 
+// Why the stroke removes nothing, in the middle above the timeline, while it lasts.
+void drawHindrance(const AppContext& context) {
+  const char* const text = context.bench.hindrance();
+  if (!text[0]) return;
+  const ImGuiIO& io = ImGui::GetIO();
+  const NoticePlace at =
+      noticePlace(io.DisplaySize.x, io.DisplaySize.y, ImGui::GetFrameHeight(), scaled(1), SidePanels::kBoth);
+  ImGui::SetNextWindowPos({at.middle, io.DisplaySize.y - 8 - timelineHeight(context)}, ImGuiCond_Always, {0.5f, 1});
+  ui::begin("##hindrance", nullptr,
+            ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove |
+                ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_NoSavedSettings);
+  ImGui::PushTextWrapPos(std::min(at.width, scaled(460)));
+  ui::textColored(styleColours().warning, text);
+  ImGui::PopTextWrapPos();
+  ImGui::End();
+}
+
 void drawHints(AppContext& context) {
   if (!context.settings || context.settings->values.are_hints_dismissed) return;
   const ImGuiIO& io = ImGui::GetIO();
@@ -214,6 +231,7 @@ void drawPanels(AppContext& context, PanelState& state, const std::optional<Tool
     drawMeasure(context, state.pixels);
     drawScaleBar(context, state.pixels);
     drawHints(context);
+    drawHindrance(context);
     drawSawPanel(context, state.saw);
     drawExportPanel(context, state.ask_for_file);
     drawTimeline(context);  // last: a branch that is taken ends the session
