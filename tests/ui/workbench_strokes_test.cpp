@@ -150,6 +150,30 @@ TEST_F(WorkbenchStrokesTest, TissueAndPointAreThoseUnderTheToolDuringAStroke) {
   EXPECT_FALSE(readoutOfTool(*bench_)) << "the cursor has its own";
 }
 
+TEST_F(WorkbenchStrokesTest, ASessionThatEndsTellsItsNumbers) {
+  begin(0.2);
+  const fs::path labels = folder_.write("ct.nrrd", boneAndCanal());
+  ASSERT_TRUE(play("file.open \"" + labels.string() +
+                   "\"\nwait\nview.top\nview.fit\ncut.force 4\ncut.depth 1.4\ncut.press 200 150\nwait 5\n"
+                   "cut.release\nwait 0.3\nedit.undo\nwait 0.3\ncut.force 1\ncut.depth 0.1\ncut.press 200 150\n"
+                   "wait 3\ncut.release\nwait 0.3\n"))
+      << said();
+  const double bone = bench_->removedOf(Material::kCortical);
+  ASSERT_TRUE(play("file.close\nwait\nprint\n"));
+  const auto& told = bench_->lastResult();
+  ASSERT_TRUE(told) << said();
+  EXPECT_NEAR(told->removed_by_material.at("cortical"), bone, 1e-6);
+  EXPECT_TRUE(told->mean_contact_force && told->contact_force && told->hottest && told->seconds);
+  // The stroke that went into the canal was taken back.
+  ASSERT_TRUE(told->least_distance.at("nerve_canal"));
+  EXPECT_GT(told->least_distance.at("nerve_canal")->value, 0.05);
+  EXPECT_LT(told->taken_back.least_distance.at("nerve_canal").value, 0);
+  EXPECT_GT(told->taken_back.contact_force.value().value, told->contact_force->value);
+  for (const char* const words : {"Removed 0.", "cortical bone 0.", "N mean", "Nearest to the",
+                                  "in a stroke taken back", "Warmest tissue", "session written"})
+    EXPECT_NE(said().find(words), std::string::npos) << words << " in " << said();
+}
+
 TEST_F(WorkbenchStrokesTest, PushedHarderAStrokePushesTwiceAsHardUntilThatEnds) {
   begin(0.1);
   const fs::path block = folder_.path() / "block.ply";

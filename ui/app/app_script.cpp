@@ -22,6 +22,7 @@
 #include "ui/app/import_commands.h"
 #include "ui/app/point_readout.h"
 #include "ui/app/sawing.h"
+#include "ui/app/session_result.h"
 #include "ui/app/tissue_display.h"
 
 namespace kerf {
@@ -165,6 +166,7 @@ void printState(const AppContext& c) {
     j["tissue"] = under->tissue;
   }
   if (c.bench.hindrance()[0]) j["hindrance"] = c.bench.hindrance();
+  if (const auto& result = c.bench.lastResult()) j["last_session"] = resultJson(*result);
   if (const auto near = c.bench.nearStructure({}); near && !near->is_far) {
     j["near"] = near->name;
     j["near_mm"] = near->distance_mm;

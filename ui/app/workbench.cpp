@@ -14,6 +14,7 @@
 #include "ui/app/import_set.h"
 #include "ui/app/language.h"
 #include "ui/app/sawing.h"
+#include "ui/app/session_result.h"
 #include "ui/app/tissue_display.h"
 #include "ui/app/user_files.h"
 
@@ -360,7 +361,9 @@ void Workbench::endRun(bool keeps_ahead) {
       [ending, guided, hands, hand, left = std::exchange(undos_left_, 0), sent = sent_, dropped,
        data = options_.data_folder, name](const Progress&) {
         sendTheRest(*ending, left, sent);
-        return endSession(*ending, dropped, data, name);
+        EndedSession out = endSession(*ending, dropped, data, name);
+        if (auto report = out.run ? readRunReport(ending->folder()) : fail({})) out.report = std::move(*report);
+        return out;
       },
       false);
   job_writes_ = true;
@@ -373,8 +376,10 @@ void Workbench::endRun(bool keeps_ahead) {
     }
     takeEnded(*ended, folder);
     const Expected<RunManifest>& written = ended->run;
+    last_result_ = ended->report;
     if (written) {
-      say(phrase("session written: {}\nas a mesh again: kerf export {} -o OUT.stl", folder.string(), folder.string()));
+      say((last_result_ ? resultText(*last_result_, materials_) : "") +
+          phrase("session written: {}\nas a mesh again: kerf export {} -o OUT.stl", folder.string(), folder.string()));
       for (std::size_t n = 0; n < written->beside.size(); ++n)
         if (const RunManifest::Beside& other = written->beside[n]; other.removed_mm3 > 0)
           say(phrase("{:.4f} mm3 were cut off the neighbour {}: kerf export {} --beside {} -o OUT.stl",

@@ -21,6 +21,7 @@
 #include "sim/hand/mouse_hand.h"
 #include "sim/monitor/structures.h"
 #include "sim/run/live_run.h"
+#include "sim/run/run_report.h"
 #include "ui/app/cut_stamp.h"
 #include "ui/app/exporting.h"
 #include "ui/app/hindrance.h"
@@ -77,6 +78,7 @@ struct Branch {
 /// What became of a session.
 struct EndedSession {
   Expected<RunManifest> run;
+  std::optional<RunReport> report{};
   /// When nothing was left of it: runs of what had been taken back, by BranchPoint::step_began.
   std::map<std::uint64_t, std::filesystem::path> saved{};
   std::optional<Error> failed{};  ///< what could not be saved: its folder is still there, with its log
@@ -179,6 +181,8 @@ class Workbench {
   /// Ends the session: the run is written where sessionFolder() says. A job.
   void close();
   const std::filesystem::path& sessionFolder() const { return session_; }
+  /// Of the session that ended last. None: nothing was cut in it.
+  const std::optional<RunReport>& lastResult() const { return last_result_; }
 
   // ---- Watching a session that has ended: sim/run/watched_run.h. Nothing is cut meanwhile: isOpen() is false.
 
@@ -525,6 +529,7 @@ class Workbench {
   std::map<std::uint64_t, std::filesystem::path> saved_;  // EndedSession::saved of the last one
   Trace trace_;
   Hindrance hindrance_;
+  std::optional<RunReport> last_result_;
   struct Wish {
     std::uint64_t step = 0;
     std::uint64_t tick = 0;  // from which on the stroke that was ended for it is counted
