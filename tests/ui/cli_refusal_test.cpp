@@ -481,7 +481,9 @@ TEST_F(Cli, TomlFilesOfManyMegabytesAreRefusedBeforeTheyAreParsed) {
 
 // Names of a stranger's files must not reach the terminal as they are.
 TEST_F(Cli, NoOutputHoldsCommandsToTheTerminal) {
-  const std::string commands = "\x1b]0;x\x07\xc2\x9b2J\x7f";
+  const std::string commands =
+      "\x1b]0;x\x07\xc2\x9b"
+      "2J\x7f";
   const auto isClean = [](const std::string& text) {
     return text.find_first_of("\x1b\x07\x7f\x9b\r") == text.npos && text.find("x1b") != text.npos;
   };
@@ -496,7 +498,7 @@ TEST_F(Cli, NoOutputHoldsCommandsToTheTerminal) {
   EXPECT_NE(json.out.find("\\u009b"), json.out.npos) << json.out;
 
   const fs::path file = folder_.path() / ("box" + commands + ".off");
-  fs::copy_file(at("box.off"), file);
+  std::ofstream(file) << box();
   const Outcome read = runKerf({"check", file});
   EXPECT_TRUE(isClean(read.out + read.err)) << read.out << read.err;
   const Outcome refused = runKerf({"info", at("none" + commands)});
@@ -507,7 +509,7 @@ TEST_F(Cli, NoOutputHoldsCommandsToTheTerminal) {
 
 TEST_F(Cli, FilesOfARunThatNoKerfWroteAreRefusedSoon) {
   makeCase();
-  folder_.write("down.csv", "t,x,y,z,qw,qx,qy,qz\n0,0,0,0.2,1,0,0,0\n0.1,0,0,0.1,1,0,0,0\n");
+  folder_.write("down.csv", "t,x,y,z,qw,qx,qy,qz\n0,0,0,0.2,1,0,0,0\n0.2,0,0,-0.3,1,0,0,0\n");
   ASSERT_EQ(runKerf({"cut", at("box.case"), "--tool", "round-014", "--path", at("down.csv"), "-o", at("hand.run"),
                      "--hand", "feed"})
                 .exit_code,
