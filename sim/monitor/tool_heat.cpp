@@ -3,6 +3,17 @@
 #include <algorithm>
 
 namespace kerf {
+namespace {
+
+// The tool's pose without its deepest overlap: pushed back along the force on it.
+Rigid3 outOfTissue(const StepOutput& output) {
+  Rigid3 out = output.T_world_tool;
+  const double force = output.contact.force.norm();
+  if (force > 0) out.translation += output.deepest / force * output.contact.force;
+  return out;
+}
+
+}  // namespace
 
 HeatingTool::HeatingTool(const ToolModel& tool, const ToolSamples& samples, const HeatSource& heat_source)
     : close(tool, samples, heat_source.flank),
@@ -38,7 +49,7 @@ void ToolHeat::tick(HeatingTool& tool, const DeviceSample& sample, const StepOut
   if (heat.is_touching) {
     // This tick's samples are a few of all: what they say is worth as much as they are.
     touched_s_ = std::min(touched_s_ + kTick, Heat::kMean);
-    const ContactArea::Reading close = tool.close.read(objects, output.objects_touched, output.T_world_tool);
+    const ContactArea::Reading close = tool.close.read(objects, output.objects_touched, outOfTissue(output));
     area_ = close.area;
     if (close.isClose()) middle_ += kTick / touched_s_ * (close.middle - middle_);
   } else {

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "geometry/tool/tool_file.h"
-#include "sim/monitor/heat.h"
+#include "sim/monitor/tool_heat.h"
 #include "tests/sim/block_scene.h"
 #include "tests/support/allocation_guard.h"
 
@@ -93,6 +93,35 @@ TEST(ContactArea, OverlapChangesItLittle) {
   const double by_constraint = areaAt(area, objects, at(0, 0, -kDepth - 0.005));
   const double by_penalty = areaAt(area, objects, at(0, 0, -kDepth - 0.06));
   EXPECT_NEAR(by_penalty / by_constraint, 1, 0.1);
+}
+
+// Just begun, a print is as shallow as the overlap: without it the tool stands as high by any response.
+TEST(ContactArea, HeatEntersThroughTheSameAreaWhateverTheResponseOverlaps) {
+  for (const double radius : {0.25, 0.4, 1.15})
+    for (const double depth : {0.05, 0.2}) {
+      std::vector<CutObject> objects;
+      objects.emplace_back(blockWithPrint(radius, depth, 0.05), 16);
+      const ToolModel ball = practiceBall(radius, 1);
+      const auto areaWith = [&](double overlap) {
+        HeatingTool tool(ball, ToolSamples(ball.cut, kSamples));
+        ToolHeat heat;
+        StepOutput output;
+        output.touching = 1;
+        output.objects_touched = 1;
+        output.T_world_tool = at(0, 0, -depth - overlap);
+        output.deepest = overlap;
+        output.contact.force = Vec3d(0, 0, 1.5);
+        double sum = 0;
+        for (int n = 0; n < ContactArea::kTurn; ++n) {
+          heat.tick(tool, {}, output, objects);
+          sum += heat.area();
+        }
+        return sum / ContactArea::kTurn;
+      };
+      const double by_constraint = areaWith(0.0055);
+      for (const double overlap : {0.06, 0.14})  // of 1 N and 5 N by penalty
+        EXPECT_NEAR(areaWith(overlap) / by_constraint, 1, 0.1) << radius << ", " << depth << ", " << overlap;
+    }
 }
 
 TEST(ContactArea, InAirThereIsNoneAndOnlyWhatIsTouchedIsLookedAt) {
