@@ -47,7 +47,7 @@ const ThermalProperties& thermalProperties(Material material) noexcept {
 }
 
 HeatSource heatSource(const Tool& tool) {
-  constexpr double kDiamond = 0.03, kCarbide = 0.10, kSteel = 0.15, kPiezo = 0.20;
+  constexpr double kDiamond = 0.03, kFastCarbide = 0.018, kCarbide = 0.10, kSteel = 0.15, kPiezo = 0.20;
   HeatSource out;
   if (tool.kind == ToolKind::kBlade) {
     const bool is_disc = motionOf(tool) == ToolMotion::kSpin;
@@ -64,7 +64,10 @@ HeatSource heatSource(const Tool& tool) {
     return out;
   }
   const std::string material = tool.iso ? tool.iso->material : "";
-  out.share = material == "806" ? kDiamond : material == "310" ? kSteel : kCarbide;
+  out.share = material == "806"      ? kDiamond
+              : material == "310"    ? kSteel
+              : isFrictionGrip(tool) ? kFastCarbide
+                                     : kCarbide;
   return out;
 }
 
