@@ -133,6 +133,7 @@ Sink sink(const Model& model, std::size_t tool, const SinkScene& scene) {
     out.force = tick.force.force.dot(up);
     // In air the hand feels the tool set in motion.
     has_touched |= tick.objects_touched != 0;
+    out.untold += tick.contact.force.norm() > 0.1 && (tick.objects_touched == 0 || tick.touching == 0);
     if (n >= moving || !has_touched) continue;
     most = std::max(most, out.force);
     out.fall = std::max(out.fall, most - out.force);

@@ -24,6 +24,7 @@ struct Sink {
   double force = 0;    ///< N, against the push, at the end
   /// N: how far the force fell below what it was since the tool first touched, while the hand went deeper
   double fall = 0;
+  int untold = 0;           ///< ticks in which contact pressed, but no object was said to be touched
   std::uint64_t state = 0;  ///< State::hash
 };
 

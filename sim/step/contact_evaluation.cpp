@@ -98,6 +98,7 @@ void moveByContact(const Model& model, State& state, const Substep& substep, Cor
   } else {
     out.contact = advance(state.body, state.device, out.sums, own, substep.coupling, tool.cut.reach(),
                           substep.longest_mm, substep.dt, &core);
+    out.objects_touched |= core.countTouched(out.sums);
     const double moved = substep.dt * (state.body.velocity.norm() + tool.reach_mm * state.body.angular.norm()) + 1e-9;
     for (CutObject& object : state.objects) object.odometer += moved;
   }

@@ -15,6 +15,8 @@ constexpr double kBlur = 0.7;            // voxels: so far the field may be off 
 constexpr double kBlurAtTip = 0.5;       // voxels: what is thin leans on a face, or at most an edge
 constexpr double kBlurAtLips = 1;        // voxels: a drill pushed beyond its greatest feed leans on its core
 constexpr double kStiffArea = 1.5;       // mm^2: K over the contact stiffness of the material
+constexpr double kHardest = 300;         // N/mm: K of hard tissue, at which what is softer stops a tool at rest
+constexpr double kGives = 0.1;           // mm below the surface, where that is
 constexpr double kClear = 0.05;          // mm: a core that is pressed in by less has been outside
 constexpr double kCoreStillSpeed = 0.5;  // mm/s: as sumContact()
 constexpr double kNodeReach = 0.9;       // voxels from a place to its nearest node, and a little
@@ -134,21 +136,24 @@ void CoreContact::gather(CutObject& object, std::size_t number, const ContactInp
     return std::min({kShareOut * radius, radius - blur, band - kBlur * h});
   };
 
-  const auto isOutside = [&](bool thin) {
+  const auto stopOf = [&](const CorePoint& point) { return std::min(allowedOf(point), 0.0) - kGives; };
+
+  // At rest all points hold, what is not thin at its stop.
+  const auto isOutside = [&](bool at_rest) {
     return std::all_of(tool.core.begin(), tool.core.end(), [&](const CorePoint& point) {
-      if (point.is_thin != thin) return true;
+      if (point.is_thin && !at_rest) return true;
       const Vec3d at = (to_object * point.place.cast<double>() + in.T_object_tool.translation) / h;
       const Vec3i middle = nearestNode(at);
-      const double there = nodes.phi(middle), least = allowedOf(point) - kClear;
+      const double held_at = at_rest && !point.is_thin ? stopOf(point) : allowedOf(point);
+      const double there = nodes.phi(middle), least = held_at - kClear;
       if (std::abs(there - least) > kNodeReach * h) return there > least;
       return smoothDistance(nodes, at, middle, h).phi > least;
     });
   };
   object.is_core_clear = object.is_core_clear || isOutside(false);
   if (!object.is_core_clear) return;
-  const bool has_thin = !tool.core.empty() && tool.core.back().is_thin;
   const bool is_at_rest = std::abs(in.speed) <= kAtRest * tool.drive.speed;
-  object.is_tip_clear = has_thin && is_at_rest && (object.is_tip_clear || isOutside(true));
+  object.is_tip_clear = is_at_rest && (object.is_tip_clear || isOutside(true));
 
   for (const CorePoint& point : tool.core) {
     if ((in.geometry_only && point.cuts) || (point.is_thin && !object.is_tip_clear)) continue;
@@ -170,9 +175,9 @@ void CoreContact::gather(CutObject& object, std::size_t number, const ContactInp
     const Vec3d normal = found.gradient / std::max(slope, 1.0);
     const Vec3d touch = lever - radius / slope * found.gradient;
     const Vec3i inside = nearestNode(in_voxels - (found.phi / h + 0.5) / slope * found.gradient);
-    const Tissue& tissue = (*in.tissues)[nodes.material(inside)];
-
     Row row;
+    row.material = nodes.material(inside);
+    const Tissue& tissue = (*in.tissues)[row.material];
     row.lever = to_world * lever;
     row.touch = to_world * touch;
     row.clearance = found.phi - allowed;
@@ -183,20 +188,28 @@ void CoreContact::gather(CutObject& object, std::size_t number, const ContactInp
     row.object = number;
     row.cuts = point.cuts;
 
-    // The deepest are kept; of two that are as deep the earlier.
-    std::size_t at = count_;
-    if (count_ == kMost) {
-      at = 0;
-      for (std::size_t n = 1; n < kMost; ++n)
-        if (rows_[n].clearance >= rows_[at].clearance) at = n;
-      if (row.clearance >= rows_[at].clearance) continue;
-    } else {
-      ++count_;
-    }
-    rows_[at] = row;
     const Vec3d push = to_world * normal;
-    directions_[at] << push, row.lever.cross(push);
+    add(row, push);
+
+    row.clearance = found.phi - stopOf(point);
+    row.stiffness = kHardest - row.stiffness;
+    if (object.is_tip_clear && row.stiffness > 0 && row.clearance < way_mm) add(row, push);
   }
+}
+
+// The deepest are kept; of two that are as deep the earlier.
+void CoreContact::add(const Row& row, const Vec3d& push) noexcept {
+  std::size_t at = count_;
+  if (count_ == kMost) {
+    at = 0;
+    for (std::size_t n = 1; n < kMost; ++n)
+      if (rows_[n].clearance >= rows_[at].clearance) at = n;
+    if (row.clearance >= rows_[at].clearance) return;
+  } else {
+    ++count_;
+  }
+  rows_[at] = row;
+  directions_[at] << push, row.lever.cross(push);
 }
 
 Vector6d CoreContact::solve(const Matrix6d& a, const Vector6d& b, double dt) noexcept {
@@ -217,6 +230,16 @@ double CoreContact::cuttingLoad(std::size_t number) const {
   for (std::size_t n = 0; n < count_; ++n)
     if (rows_[n].object == number && rows_[n].cuts) sum += normalLoad(n);
   return sum;
+}
+
+std::uint64_t CoreContact::countTouched(ContactSums& sums) const {
+  std::uint64_t objects = 0;
+  for (std::size_t n = 0; n < count_; ++n) {
+    if (!(loads_.load[n] > 0)) continue;
+    objects |= objectBit(rows_[n].object);
+    if (sums.touching++ == 0) sums.material = rows_[n].material;
+  }
+  return objects;
 }
 
 CoreDrag CoreContact::drag(const ToolBody& body) const {

@@ -16,6 +16,9 @@
 //   friction  mu N over the sliding speed, at the place where ball and surface meet; felt one evaluation later.
 //   erosion   by the load of the evaluation before: rates are scaled as if the shell pressed with both.
 //
+// Soft tissue, whose K is small, stops a tool at rest: 0.1 mm deeper than min(delta, 0) a second spring makes K up to
+// 300 N/mm.
+//
 // Points, edges and fins that are thinner (CorePoint::is_thin) hold a tool at rest: they may go in by h / 2 - r. While
 // the tool runs they do not count.
 //
@@ -62,6 +65,8 @@ class CoreContact {
 
   /// Of the solved loads on one object that of what cuts, N.
   double cuttingLoad(std::size_t number) const;
+  /// Adds the points that carry a load to the nodes in contact.   @return objectBit() of their objects.
+  std::uint64_t countTouched(ContactSums& sums) const;
   /// Their friction.
   CoreDrag drag(const ToolBody& body) const;
 
@@ -74,8 +79,10 @@ class CoreContact {
     double slope = 1;      // length of the gradient
     double own_speed = 0;  // of the tool's surface there, mm/s
     std::size_t object = 0;
+    std::uint8_t material = 0;
     bool cuts = false;
   };
+  void add(const Row& row, const Vec3d& push) noexcept;
   double normalLoad(std::size_t n) const;
 
   std::array<Row, kMost> rows_;

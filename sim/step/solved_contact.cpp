@@ -127,7 +127,7 @@ class ContactSolver {
         erosion->allowed = std::max(erosion->allowed, std::min(wanted, kDeepest));
       }
 
-      if (sums.touching > 0) out_.objects_touched |= objectBit(n);
+      if (sums.touching > 0 || loadOf(n) > 0) out_.objects_touched |= objectBit(n);
       sums.scale(sums.normal_load > 0 ? loadOf(n) / sums.normal_load : 0);
       out_.sums.add(sums.rotated(object.T_world_object.rotation.toRotationMatrix()));
     }

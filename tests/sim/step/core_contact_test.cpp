@@ -277,6 +277,23 @@ TEST(CoreContact, SoftTissueLetsItIn) {
   EXPECT_GT(soft, 2 * hard);
 }
 
+TEST(CoreContact, SoftTissueStopsAToolAtRestAndSaysSoOverAllVoxels) {
+  for (const double stiffness : {1.0, 20.0})
+    for (const char* id : {"round-014", "837-012", "847-012", "859-012"})
+      for (const double voxel : {0.05, 0.1, 0.15})
+        for (const double height : {4.0, 1.0}) {
+          Model model = modelOf(toolOfRack(id), stiffness);
+          model.settings.ramp_s = 0;  // a rising force would hide a falling one
+          const double width = 2 * double(model.tools[0].core.front().radius);
+          const scenes::Sink got = sink(model, 0, pushedBy(8, height, voxel));
+          const std::string what = fmt::format("{} in {} N/mm3, {} mm high, voxels {}", id, stiffness, height, voxel);
+          EXPECT_LT(got.deepest, 0.4 + width) << what;
+          EXPECT_GT(got.force, 7) << what;
+          EXPECT_LT(got.fall, 0.05) << what;
+          EXPECT_EQ(got.untold, 0) << what;
+        }
+}
+
 TEST(CoreContact, AnOrdinaryToolUnderAnOrdinaryLoadDoesNotKnowOfIt) {
   const Model model = modelOf(toolOfRack("round-014"));
   Model without = model;
