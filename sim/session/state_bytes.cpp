@@ -14,7 +14,7 @@
 namespace kerf {
 namespace {
 
-constexpr std::uint32_t kStateVersion = 5;
+constexpr std::uint32_t kStateVersion = 6;
 
 // Little-endian, doubles with every bit.
 class Writer {
@@ -291,6 +291,8 @@ void packHead(const State& state, Writer& to) {
   to.f64(state.core_drag.drag);
   to.vec(state.core_drag.moment);
   for (int column = 0; column < 3; ++column) to.vec(state.core_drag.second.col(column));
+  for (const double number : state.core_drag.normal.reshaped()) to.f64(number);
+  for (const double number : state.grip) to.f64(number);
   to.u32(state.next_id);
 }
 
@@ -316,6 +318,8 @@ void unpackHead(Reader& from, State& out) {
   out.core_drag.drag = from.f64();
   out.core_drag.moment = from.vec();
   for (int column = 0; column < 3; ++column) out.core_drag.second.col(column) = from.vec();
+  for (double& number : out.core_drag.normal.reshaped()) number = from.f64();
+  for (double& number : out.grip) number = from.f64();
   out.next_id = from.u32();
 }
 
@@ -323,7 +327,8 @@ bool isHeadUsable(const State& s) {
   return std::isfinite(s.speed) && std::isfinite(s.ramp) && s.body.velocity.allFinite() && s.body.angular.allFinite() &&
          s.device.velocity.allFinite() && s.device.angular.allFinite() && s.last_force.force.allFinite() &&
          s.last_force.torque.allFinite() && std::isfinite(s.core_drag.drag) && s.core_drag.moment.allFinite() &&
-         s.core_drag.second.allFinite() && s.body.pose.isUsable() && s.device.pose.isUsable();
+         s.core_drag.second.allFinite() && s.core_drag.normal.allFinite() && s.grip.allFinite() &&
+         s.body.pose.isUsable() && s.device.pose.isUsable();
 }
 
 // Ids are different and below next_id, and at most one object is frozen. The first for which that is false.

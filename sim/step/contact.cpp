@@ -10,8 +10,6 @@
 namespace kerf {
 namespace {
 
-constexpr float kStillSpeed = 0.5f;  // mm/s: below it Coulomb friction fades, so that it can be integrated
-
 Eigen::Matrix3d crossMatrix(const Vec3d& v) {
   Eigen::Matrix3d m;
   m << 0, -v[2], v[1], v[2], 0, -v[0], -v[1], v[0], 0;
@@ -36,9 +34,10 @@ class NodeSums {
     moving_.lever = internal::leverOf(tool_);
     moving_.lips = internal::lipsOf(in);
     moving_.speed = static_cast<float>(std::abs(in.speed));
-    moving_.still_speed = kStillSpeed;
+    moving_.still_speed = static_cast<float>(kStillSpeed);
     moving_.body_spins = tool_.motion == ToolMotion::kSpin;
     moving_.geometry_only = in.geometry_only;
+    moving_.is_at_rest = isAtRest(tool_, in.speed);
     moving_.area_scale = static_cast<float>(in.area_scale);
     moving_.beyond = beyond_;
     moving_.is_blade = tool_.flank_axis >= 0;
@@ -179,6 +178,7 @@ class NodeSums {
     sums.drag += value(S::kDrag);
     sums.drag_moment += vector(S::kDragMoment);
     addSymmetric(sums.drag_second, S::kDragSecond);
+    if (moving_.is_at_rest) addSymmetric(sums.normal_drag, S::kNormalDrag);
 
     sums.area += value(S::kArea);
     sums.deepest = std::max(sums.deepest, static_cast<double>(totals_.deepest));
@@ -204,6 +204,11 @@ class NodeSums {
 
 }  // namespace
 
+bool isAtRest(const ToolModel& tool, double speed) noexcept {
+  const double lever = tool.motion == ToolMotion::kStroke ? 1 : tool.cut.reach() + std::abs(tool.pivot_mm);
+  return std::abs(speed) * lever < kStillSpeed;
+}
+
 void ContactSums::add(const ContactSums& o) {
   force += o.force;
   torque += o.torque;
@@ -215,6 +220,7 @@ void ContactSums::add(const ContactSums& o) {
   drag += o.drag;
   drag_moment += o.drag_moment;
   drag_second += o.drag_second;
+  normal_drag += o.normal_drag;
   normal_load += o.normal_load;
   cutting_load += o.cutting_load;
   lip_torque += o.lip_torque;
@@ -246,6 +252,7 @@ void ContactSums::scale(double factor) {
   drag *= factor;
   drag_moment *= factor;
   drag_second *= factor;
+  normal_drag *= factor;
   normal_load *= factor;
   cutting_load *= factor;
   erodible_load *= factor;
@@ -263,9 +270,10 @@ ContactSums ContactSums::rotated(const Eigen::Matrix3d& r) const {
   out.torque = r * torque;
   out.force_next = r * force_next;
   out.torque_next = r * torque_next;
-  for (int i = 0; i < 2; ++i)
-    for (int j = 0; j < 2; ++j)
-      out.stiffness.block<3, 3>(3 * i, 3 * j) = r * stiffness.block<3, 3>(3 * i, 3 * j) * r.transpose();
+  for (Matrix6d ContactSums::*matrix : {&ContactSums::stiffness, &ContactSums::normal_drag})
+    for (int i = 0; i < 2; ++i)
+      for (int j = 0; j < 2; ++j)
+        (out.*matrix).block<3, 3>(3 * i, 3 * j) = r * (this->*matrix).block<3, 3>(3 * i, 3 * j) * r.transpose();
   out.load_slope << r * load_slope.head<3>(), r * load_slope.tail<3>();
   out.drag_moment = r * drag_moment;
   out.drag_second = r * drag_second * r.transpose();

@@ -14,6 +14,11 @@
 
 namespace kerf {
 
+/// mm/s: slower sliding drags as if it were this. At rest friction holds: advance().
+inline constexpr double kStillSpeed = 0.5;
+/// The drive moves no part of the tool that fast. @rt
+bool isAtRest(const ToolModel& tool, double speed) noexcept;
+
 /// What one evaluation needs to know of tool and time.
 struct ContactInput {
   const ToolModel* tool = nullptr;
@@ -45,6 +50,8 @@ struct ContactSums {
   double drag = 0;                                        ///< N s/mm
   Vec3d drag_moment = Vec3d::Zero();                      ///< N s
   Eigen::Matrix3d drag_second = Eigen::Matrix3d::Zero();  ///< N s mm
+  /// At rest: the part of dragMatrix() that is of motion along the normals, the sum of drag u u^T; else zero.
+  Matrix6d normal_drag = Matrix6d::Zero();
   /// Normal load of the next evaluation, if the tool stays, N; and how it falls as the tool moves along (translation,
   /// rotation): sum k_n g A u.
   double load_next = 0;

@@ -92,12 +92,13 @@ void moveByContact(const Model& model, State& state, const Substep& substep, Cor
                    ContactEvaluation& out) {
   const ToolModel& tool = model.tools[state.tool];
   const Wrench own = ownDrag(tool, state.body.pose, state.speed, out.sums);
+  if (!isAtRest(tool, state.speed)) state.grip.setZero();
 
   if (model.settings.attachment() == Attachment::kFixed) {
     out.contact = contactWrench(state.body, {out.sums.force, out.sums.torque}, own, out.sums.dragMatrix());
   } else {
     out.contact = advance(state.body, state.device, out.sums, own, substep.coupling, tool.cut.reach(),
-                          substep.longest_mm, substep.dt, &core);
+                          substep.longest_mm, substep.dt, &core, &state.grip);
     out.objects_touched |= core.countTouched(out.sums);
     const double moved = substep.dt * (state.body.velocity.norm() + tool.reach_mm * state.body.angular.norm()) + 1e-9;
     for (CutObject& object : state.objects) object.odometer += moved;

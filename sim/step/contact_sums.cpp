@@ -192,7 +192,7 @@ void sumTouchingHere(const TouchingNodes& nodes, const TouchingTool& tool, Touch
     add(S::kDrag, drag);
     if (tool.lips.height > 0) {  // lips cut in pairs, whose forces across the axis cancel: see DrillLips
       add(S::kLipTorque, hn::IfThenElseZero(is_lip, turning));
-      drag = hn::IfThenElse(is_lip, zero, drag);
+      if (!tool.is_at_rest) drag = hn::IfThenElse(is_lip, zero, drag);
     }
     entry = S::kDragSecond;
     for (int row = 0; row < 3; ++row) {
@@ -200,6 +200,10 @@ void sumTouchingHere(const TouchingNodes& nodes, const TouchingTool& tool, Touch
       add(S::kDragMoment + row, moment);
       for (int column_of = 0; column_of <= row; ++column_of) add(entry++, hn::Mul(moment, r[column_of]));
     }
+
+    entry = S::kNormalDrag;
+    for (int row = 0; tool.is_at_rest && row < 6; ++row)
+      for (int column_of = 0; column_of <= row; ++column_of) add(entry++, hn::Mul(hn::Mul(drag, u[row]), u[column_of]));
 
     const auto counts = hn::Gt(stiff, zero);
     add(S::kArea, hn::IfThenElseZero(counts, area));
@@ -222,7 +226,8 @@ void sumTouchingHere(const TouchingNodes& nodes, const TouchingTool& tool, Touch
     deepest = hn::Max(deepest, hn::IfThenElseZero(counts, overlap));
   }
 
-  for (std::size_t s = 0; s < S::kSums; ++s)
+  const std::size_t used = tool.is_at_rest ? S::kSums : S::kNormalDrag;
+  for (std::size_t s = 0; s < used; ++s)
     for (const float part : lane[s]) out.value[s] += static_cast<double>(part);
   out.deepest = std::max(out.deepest, hn::GetLane(hn::MaxOfLanes(f, deepest)));
 }

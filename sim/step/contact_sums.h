@@ -39,6 +39,7 @@ struct TouchingTool {
   float still_speed = 0;    ///< mm/s: slower sliding drags as if it were this
   bool body_spins = false;  ///< what only collides moves as what cuts does
   bool geometry_only = false;
+  bool is_at_rest = false;            ///< isAtRest()
   float area_scale = 1;               ///< of nodes that are cut
   float cut_share = 0;                ///< ContactInput::cut_share
   float beyond = 1;                   ///< mm: see TouchingNodes::tau_beyond
@@ -47,7 +48,7 @@ struct TouchingTool {
   float velocity[3]{}, angular[3]{};  ///< of the tip, object axes
 };
 
-/// Sums, in this order; the stiffness is a lower triangle, row by row, drag_second too.
+/// Sums, in this order; stiffness, drag_second and normal_drag are lower triangles, row by row.
 struct TouchingSums {
   enum : int {
     kForce = 0,
@@ -72,7 +73,8 @@ struct TouchingSums {
     kLipTorque,
     kLoadNext,
     kLoadSlope,
-    kSums = kLoadSlope + 6
+    kNormalDrag = kLoadSlope + 6,  ///< only with TouchingTool::is_at_rest
+    kSums = kNormalDrag + 21
   };
   std::array<double, kSums> value{};
   float deepest = 0;

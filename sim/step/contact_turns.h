@@ -150,6 +150,7 @@ void ContactTurns::forEachNumber(const Number& number) noexcept {
     all(s.stiffness);
     all(s.load_slope);
     all(s.drag_second);
+    all(s.normal_drag);
     for (double* v : {&s.load_next, &s.drag, &s.normal_load, &s.cutting_load, &s.erodible_load, &s.bare_load,
                       &s.bare_erodible, &s.bare_drive_load, &s.lip_torque, &s.drive_load, &s.power, &s.area, &s.deepest,
                       &s.material_area, &group.way, &group.from, &group.until, &group.erodes, &group.work})

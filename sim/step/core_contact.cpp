@@ -10,18 +10,17 @@
 namespace kerf {
 namespace {
 
-constexpr double kShareOut = 0.4;        // of a point's radius: how far it stays out
-constexpr double kBlur = 0.7;            // voxels: so far the field may be off in a narrow hole, or where its band ends
-constexpr double kBlurAtTip = 0.5;       // voxels: what is thin leans on a face, or at most an edge
-constexpr double kBlurAtLips = 1;        // voxels: a drill pushed beyond its greatest feed leans on its core
-constexpr double kStiffArea = 1.5;       // mm^2: K over the contact stiffness of the material
-constexpr double kHardest = 300;         // N/mm: K of hard tissue, at which what is softer stops a tool at rest
-constexpr double kGives = 0.1;           // mm below the surface, where that is
-constexpr double kClear = 0.05;          // mm: a core that is pressed in by less has been outside
-constexpr double kCoreStillSpeed = 0.5;  // mm/s: as sumContact()
-constexpr double kNodeReach = 0.9;       // voxels from a place to its nearest node, and a little
-constexpr double kNoSlope = 1e-3;        // deep inside, where every value is the same, there is no way out
-constexpr double kSettled = 1e-6;        // of the largest load
+constexpr double kShareOut = 0.4;   // of a point's radius: how far it stays out
+constexpr double kBlur = 0.7;       // voxels: so far the field may be off in a narrow hole, or where its band ends
+constexpr double kBlurAtTip = 0.5;  // voxels: what is thin leans on a face, or at most an edge
+constexpr double kBlurAtLips = 1;   // voxels: a drill pushed beyond its greatest feed leans on its core
+constexpr double kStiffArea = 1.5;  // mm^2: K over the contact stiffness of the material
+constexpr double kHardest = 300;    // N/mm: K of hard tissue, at which what is softer stops a tool at rest
+constexpr double kGives = 0.1;      // mm below the surface, where that is
+constexpr double kClear = 0.05;     // mm: a core that is pressed in by less has been outside
+constexpr double kNodeReach = 0.9;  // voxels from a place to its nearest node, and a little
+constexpr double kNoSlope = 1e-3;   // deep inside, where every value is the same, there is no way out
+constexpr double kSettled = 1e-6;   // of the largest load
 
 // The values of an object's nodes; remembers the brick it was asked for last.
 class Nodes {
@@ -120,6 +119,7 @@ void CoreDrag::addTo(ContactSums& sums) const {
   sums.drag += drag;
   sums.drag_moment += moment;
   sums.drag_second += second;
+  sums.normal_drag += normal;
 }
 
 void CoreContact::gather(CutObject& object, std::size_t number, const ContactInput& in, double way_mm) noexcept {
@@ -219,6 +219,7 @@ Vector6d CoreContact::solve(const Matrix6d& a, const Vector6d& b, double dt) noe
     softness[n] = 1 / (dt * dt * rows_[n].stiffness);
   }
   per_s_ = 1 / dt;
+  loads_.load.fill(0);
   loads_.solve(a, b, std::span(directions_).first(count_), least, softness, kSettled);
   return loads_.motion;
 }
@@ -249,10 +250,12 @@ CoreDrag CoreContact::drag(const ToolBody& body) const {
     if (!(normal > 0)) continue;
     const Row& row = rows_[n];
     const double sliding = (body.velocity + body.angular.cross(row.touch)).norm();
-    const double drag = row.friction * normal / std::max({row.own_speed, sliding, kCoreStillSpeed});
+    const double drag = row.friction * normal / std::max({row.own_speed, sliding, kStillSpeed});
     out.drag += drag;
     out.moment += drag * row.touch;
     out.second += drag * row.touch * row.touch.transpose();
+    if (row.own_speed < kStillSpeed)
+      out.normal += drag / directions_[n].head<3>().squaredNorm() * directions_[n] * directions_[n].transpose();
   }
   return out;
 }

@@ -43,6 +43,7 @@ struct CoreDrag {
   double drag = 0;                                   ///< N s/mm: as ContactSums::drag
   Vec3d moment = Vec3d::Zero();                      ///< N s
   Eigen::Matrix3d second = Eigen::Matrix3d::Zero();  ///< N s mm
+  Matrix6d normal = Matrix6d::Zero();                ///< as ContactSums::normal_drag
 
   bool isZero() const { return drag == 0; }
   void addTo(ContactSums& sums) const;

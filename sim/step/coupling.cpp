@@ -23,6 +23,42 @@ Vec3d saturated(const Vec3d& stretch, double limit) {
   return size > limit ? Vec3d(stretch * (limit / size)) : stretch;
 }
 
+// Solves with the grip of friction, or with its drag where that slides.
+template <class Solve>
+Vector6d heldBy(Vector6d& grip, const ToolBody& body, const ContactSums& contact, const Matrix6d& a, const Vector6d& b,
+                double dt, const Solve& solve) {
+  if (!(contact.drag > 0) || contact.normal_drag.isZero(0)) {
+    grip.setZero();
+    return solve(a, b);
+  }
+
+  Vector6d before;
+  before << body.velocity, body.angular;
+  const Matrix6d drag = contact.dragMatrix(), along = drag - contact.normal_drag;
+  const Matrix6d spring = kGrip / contact.drag * along;
+  const auto sizeOf = [&](const Matrix6d& m, const Vector6d& motion) {
+    return std::sqrt(std::max(0.0, motion.dot(m * motion) / contact.drag));
+  };
+  const double most = contact.drag * std::max(sizeOf(drag, before), kStillSpeed) / kGrip;  // mu N / k
+  const auto slide = [&] {
+    const Vector6d v = solve(a, b);
+    grip = contact.drag / kGrip * v;
+    if (const double size = sizeOf(along, grip); size > most) grip *= most / size;
+    return v;
+  };
+
+  if (sizeOf(along, before) > kStillSpeed) {
+    const Vector6d anchored = grip, v = slide();
+    if (sizeOf(along, v) > kStillSpeed) return v;
+    grip = anchored;
+  }
+  const Vector6d v = solve(a - dt * along + dt * dt * spring, b - dt * spring * grip);
+  const Vector6d moved = grip + dt * v;
+  if (!(sizeOf(along, moved) <= most)) return slide();
+  grip = moved;
+  return v;
+}
+
 }  // namespace
 
 Vec3d rotationBetween(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to) noexcept {
@@ -52,7 +88,8 @@ Vector6d springPull(const Rigid3& pose, const DeviceMotion& device, const Coupli
 }
 
 Wrench advance(ToolBody& body, const DeviceMotion& device, const ContactSums& contact, const Wrench& own_drag,
-               const CouplingSettings& s, double head_reach, double longest, double dt, CoreContact* core) noexcept {
+               const CouplingSettings& s, double head_reach, double longest, double dt, CoreContact* core,
+               Vector6d* grip) noexcept {
   const double mass = s.mass(), inertia = s.inertia();
   Matrix6d a = dt * contact.dragMatrix() + dt * dt * contact.stiffness;
   Vector6d b;
@@ -65,10 +102,14 @@ Wrench advance(ToolBody& body, const DeviceMotion& device, const ContactSums& co
                 dt * (pull.tail<3>() + s.turn_damping * device.angular + contact.torque_next + own_drag.torque);
   a.diagonal().head<3>().array() += mass + dt * s.damping + dt * dt * s.stiffness;
   a.diagonal().tail<3>().array() += inertia + dt * s.turn_damping + dt * dt * s.turn_stiffness;
-  const Vector6d v = has_core ? core->solve(a, b, dt) : Vector6d(a.ldlt().solve(b));
+  const auto solve = [&](const Matrix6d& of, const Vector6d& to) {
+    return has_core ? core->solve(of, to, dt) : Vector6d(of.ldlt().solve(to));
+  };
+  const Vector6d v = grip ? heldBy(*grip, body, contact, a, b, dt, solve) : solve(a, b);
   if (!(a.allFinite() && b.allFinite() && v.allFinite())) {
     body.velocity.setZero();
     body.angular.setZero();
+    if (grip) grip->setZero();
     return {};
   }
 

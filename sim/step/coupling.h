@@ -19,13 +19,15 @@ struct CouplingSettings {
   double turn_damping = 2;       ///< N mm s/rad, while the drive stands still
   double running_damping = 0.002;   ///< N s/mm, while the drive turns
   double running_turn_damping = 2;  ///< N mm s/rad, while the drive turns
-  double mass_kg = 0.02;            ///< of the virtual tool; 5 to 50 g makes no difference
-  double gyration_mm = 10;          ///< its radius of gyration
-  double filter_hz = 100;           ///< first-order low-pass of the device's velocity
-  double force_limit = 8;           ///< N
-  double torque_limit = 300;        ///< N mm
-  double force_rate = 2000;         ///< N/s: no faster change
-  double torque_rate = 60000;       ///< N mm/s
+  /// Of the virtual tool. It swings on the coupling with the damping ratio B / (2 sqrt(K m)): 0.22 at 20 g, 0.11 at the
+  /// 80 g of a handpiece, which 1 N would carry 0.9 mm in 14 ms, not 1.3.
+  double mass_kg = 0.02;
+  double gyration_mm = 10;     ///< its radius of gyration
+  double filter_hz = 100;      ///< first-order low-pass of the device's velocity
+  double force_limit = 8;      ///< N
+  double torque_limit = 300;   ///< N mm
+  double force_rate = 2000;    ///< N/s: no faster change
+  double torque_rate = 60000;  ///< N mm/s
 
   /// As it is while the drive turns, or stands still.
   CouplingSettings at(bool drive_turns) const {
@@ -71,12 +73,18 @@ double travel(ToolBody& body, double head_reach_mm, double longest_mm, double dt
 /// @param contact  world frame: force_next, stiffness and drag are used.   @param own_drag  of the tool's own motion.
 /// @param longest  mm: no part of the cutting head moves farther in one step; the motion is scaled down to it.
 /// @param core  what else pushes, solved for together with the velocity; null: nothing.
+/// @param grip  of friction on a tool at rest; null: it drags alone. An elastic and plastic spring (after Hayward &
+/// Armstrong, ISER 2000) of k = kGrip: the tool's motion g since its anchor pulls with k T g, T = (D - D_n) / drag, D_n
+/// ContactSums::normal_drag. Up to mu N it holds, and nothing creeps; beyond, the tool slides under D as ever, and the
+/// anchor follows. k does not change with the load, so no energy comes of it.
 /// @return what contact and drag did to the body, mean over dt, before its motion is scaled down. Overlap at a pose
 /// says more where it lands: 27 N for a flat of 5 mm^2 at 25 mm/s, which 0.8 N stop. Where it lifts off, the implicit
 /// step may hold it back for some ms. Zero to the bit where nothing touches, or where not all is finite.   @rt
 Wrench advance(ToolBody& body, const DeviceMotion& device, const ContactSums& contact, const Wrench& own_drag,
                const CouplingSettings& settings, double head_reach_mm, double longest_mm, double dt,
-               CoreContact* core = nullptr) noexcept;
+               CoreContact* core = nullptr, Vector6d* grip = nullptr) noexcept;
+
+inline constexpr double kGrip = 300;  ///< N/mm: as stiff as the core in hard tissue
 
 /// What the coupling does to the hand: spring and damper from device to tool. Not clamped. @rt
 Wrench couplingWrench(const ToolBody& body, const DeviceMotion& device, const CouplingSettings& settings) noexcept;

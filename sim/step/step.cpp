@@ -273,8 +273,10 @@ std::uint64_t hashOf(AState& state, const HashOfObject& hash_of_object) {
     mix(std::bit_cast<std::uint64_t>(state.core_drag.drag));
     add(state.core_drag.moment);
     add(state.core_drag.second.reshaped());
+    if (!state.core_drag.normal.isZero(0)) add(state.core_drag.normal.reshaped());
     for (const auto& object : state.objects) mix(std::bit_cast<std::uint64_t>(object.core_load));
   }
+  if (!state.grip.isZero(0)) add(state.grip);
   for (const auto& object : state.objects) {
     if (!(object.cut_area.byShell() > 0)) continue;
     mix(std::bit_cast<std::uint64_t>(object.cut_area.byLedger()));

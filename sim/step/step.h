@@ -79,9 +79,10 @@ struct State {
   Material adds = Material::kNone;
   std::size_t adds_to = 0;
   DeviceMotion device;
-  CoreDrag core_drag;      ///< of the last evaluation
-  Wrench last_force;       ///< what went to the hand
-  std::uint64_t tick = 0;  ///< how many there were
+  CoreDrag core_drag;                ///< of the last evaluation
+  Vector6d grip = Vector6d::Zero();  ///< of friction at rest: advance()
+  Wrench last_force;                 ///< what went to the hand
+  std::uint64_t tick = 0;            ///< how many there were
   bool has_device = false, is_latched = false;
   double ramp = 0;  ///< of the force that fades in, 0 to 1
   NearBricks near, near_in_turn;
@@ -90,10 +91,12 @@ struct State {
   /// Objects have changed their places. @rt
   void forgetTurns() noexcept {
     for (ContactTurns& turn : turns) turn.forget();
+    grip.setZero();
   }
-  /// No load and no drag of a core.
+  /// No load and no drag of a core, and no grip.
   void forgetCore() noexcept {
     core_drag = {};
+    grip.setZero();
     for (CutObject& object : objects) object.forgetCore();
   }
   /// Puts the tool where a hand is, at rest: at the start, and after a pause. No force until contact.

@@ -72,8 +72,8 @@ TEST(StateBytes, AStateFromBytesGoesOnBitForBit) {
   EXPECT_EQ(state->hash(), scene.session.hash());
 }
 
-// What a tool's core carries acts one evaluation later: it is state.
-TEST(StateBytes, ANeedleThatStandsOnItsCoreGoesOnBitForBit) {
+// What a tool's core carries acts one evaluation later, and friction holds by what it held: both are state.
+void expectNeedleGoesOn(double pedal) {
   const auto needle = readTool(std::string(KERF_SOURCE_DIR) + "/assets/tools/859-012.toml");
   ASSERT_TRUE(needle) << needle.error().message();
   Model model = twoBalls();
@@ -81,20 +81,24 @@ TEST(StateBytes, ANeedleThatStandsOnItsCoreGoesOnBitForBit) {
   const LoadedObjects loaded{test::block({4, 4, 2}, 0.1)};
   Session session(model, loaded, at(0, 0, 0.1));
   StepOutput expected, got;
-  for (int n = 0; n < 200; ++n) session.tick(test::sampleAt(at(0, 0, 0.1 - 0.01 * n)), expected);
+  for (int n = 0; n < 200; ++n) session.tick(test::sampleAt(at(0.0005 * n, 0, 0.1 - 0.01 * n), pedal), expected);
   ASSERT_GT(session.state().objects[0].core_load, 0.1);
+  ASSERT_EQ(session.state().grip.isZero(0), pedal > 0);
 
   auto state = unpackState(packState(session.state(), loaded), loaded, "test.kerflog");
   ASSERT_TRUE(state) << state.error().message();
   EXPECT_EQ(state->hash(), session.hash());
   for (int n = 0; n < 100; ++n) {
-    const DeviceSample sample = test::sampleAt(at(0.002 * n, 0, -1.9));
+    const DeviceSample sample = test::sampleAt(at(0.1 + 0.002 * n, 0, -1.9), pedal);
     session.tick(sample, expected);
     step(model, *state, sample, got);
     ASSERT_EQ(got.force.force, expected.force.force) << n;
   }
   EXPECT_EQ(state->hash(), session.hash());
 }
+
+TEST(StateBytes, ANeedleThatStandsOnItsCoreGoesOnBitForBit) { expectNeedleGoesOn(1); }
+TEST(StateBytes, ANeedleThatFrictionHoldsGoesOnBitForBit) { expectNeedleGoesOn(0); }
 
 TEST(StateBytes, AReplayBeginsAtASnapshotAndEndsTheSame) {
   const TemporaryFile file("session.log", "");

@@ -232,6 +232,10 @@ void addPlain(const TouchingNodes& nodes, std::size_t n, const TouchingTool& too
     for (int j = 0; j <= i; ++j) at(entry++) += drag * r[i] * r[j];
   }
 
+  entry = S::kNormalDrag;
+  for (int i = 0; tool.is_at_rest && i < 6; ++i)
+    for (int j = 0; j <= i; ++j) at(entry++) += drag * w[i] * w[j];
+
   if (stiff > 0) {
     at(S::kArea) += double(nodes.area[n]);
     at(S::kCount) += 1;
@@ -308,6 +312,7 @@ TEST(SumTouching, IsTheSumOfItsFormulas) {
       tool.across[1] = 0.6f;
       tool.across[2] = -0.8f;
       tool.cut_share = share;
+      tool.is_at_rest = share < 1;
       std::array<double, TouchingSums::kSums> expected{};
       double deepest = 0;
       for (std::size_t n = 0; n < static_cast<std::size_t>(count); ++n) addPlain(nodes, n, tool, expected, deepest);
