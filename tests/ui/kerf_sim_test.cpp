@@ -112,9 +112,11 @@ TEST_F(KerfSim, SigtermToAScriptThatBakesLeavesNothingHalfWritten) {
   const fs::path molar = folder_ / "molar.stl", script = folder_ / "wait.txt", data = folder_ / "data";
   ASSERT_EQ(shell(fmt::format("'{}/kerf' demo-molar --edge 0.1 -o '{}'", KERF_BIN_DIR, molar.string())).status, 0);
   std::ofstream(script) << "wait\n";
-  const Outcome done = shell(fmt::format(
-      "timeout --preserve-status -s TERM 3 env -u DISPLAY -u WAYLAND_DISPLAY {} '{}' --data '{}' --script '{}'",
-      kProgram, molar.string(), data.string(), script.string()));
+  const Outcome done = shell(
+      fmt::format("env -u DISPLAY -u WAYLAND_DISPLAY {} '{}' --data '{}' --script '{}' --voxel 0.05 2>&1 & baking=$!; "
+                  "until ls -A '{}/cases' 2>/dev/null | grep -q '^[.]' || ! kill -0 $baking; do sleep 0.02; done; "
+                  "kill -TERM $baking; wait $baking",
+                  kProgram, molar.string(), data.string(), script.string(), data.string()));
   if (done.text.find("no way to draw") != std::string::npos) GTEST_SKIP() << done.text;
   ASSERT_EQ(done.status, 128 + 15) << "it was done before the signal? " << done.text;
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(data))
