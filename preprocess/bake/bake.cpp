@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Refuses folders that are something, though no mesh.
+// A folder is no mesh, whatever else it is.
 Expected<void> requireMeshNotFolder(const fs::path& path) {
   std::error_code ignored;
   if (!fs::is_directory(path, ignored)) return {};
@@ -39,7 +39,11 @@ Expected<void> requireMeshNotFolder(const fs::path& path) {
          .found = "a folder of slices: a label volume, no mesh",
          .expected = "a mesh file or a recipe",
          .hint = "a recipe that makes tissues of its labels (docs/reference/recipes.md); kerf info lists them"});
-  return {};
+  return fail({.code = Error::Code::kUnreadable,
+               .file = path.string(),
+               .found = "a folder, neither a case nor slices",
+               .expected = "a mesh file or a recipe",
+               .hint = "name the mesh in it"});
 }
 
 Expected<std::vector<std::string>> hashMeshes(const std::vector<fs::path>& meshes) {
