@@ -69,7 +69,7 @@ class CutObject {
   /// Whether the tool's core has been outside the object since either of them was changed but by cutting. Until it has,
   /// it is not held out: a bur in a cavity that is taken back must not be shot out. @rt
   bool is_core_clear = false;
-  /// The same of the thin points of the core, since the tool came to rest. @rt
+  /// The same, since the tool came to rest, of what holds only then: thin points, and stops in soft tissue. @rt
   bool is_tip_clear = false;
 
   void moveTo(const Rigid3& pose) noexcept {

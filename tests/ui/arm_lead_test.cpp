@@ -216,7 +216,8 @@ TEST_F(ArmLeadTest, ATestForceIsGentleAndNeedsAnArmedDeviceInTheAir) {
   ASSERT_TRUE(run("device.test", {"0.5", "1", "0", "0"}));
   ASSERT_TRUE(until([&] { return (*arm)->report().force[0] > 0.45; }));
   ASSERT_TRUE(until([&] { return (*arm)->report().force.norm() < 1e-9; }));
-  EXPECT_LE((*arm)->report().most_force, ForceArm::kMostTestForce) << "with what the coupling feels of it, more of it where threads wait";
+  EXPECT_LE((*arm)->report().most_force, ForceArm::kMostTestForce)
+      << "with what the coupling feels of it, more of it where threads wait";
 }
 
 TEST_F(ArmLeadTest, ScaleAndTurnLeaveTheToolWhereItIs) {
