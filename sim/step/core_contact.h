@@ -19,8 +19,8 @@
 // Soft tissue, whose K is small, stops a tool at rest: 0.1 mm deeper than min(delta, 0) a second spring makes K up to
 // 300 N/mm.
 //
-// Points, edges and fins that are thinner (CorePoint::is_thin) hold a tool at rest: they may go in by h / 2 - r. They do
-// not count while the drive turns faster than kAtRest.
+// Points, edges and fins that are thinner (CorePoint::is_thin) hold a tool at rest: they may go in by h / 2 - r. They
+// do not count while the drive turns faster than kAtRest.
 //
 // A tool that finds itself inside (a stroke taken back, material added, an object moved) is not held until its core has
 // been outside once: CutObject::is_core_clear.
