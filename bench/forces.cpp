@@ -70,6 +70,7 @@ Expected<void> plungeIntoMaterials(Result& r, const Bench& bench) {
   KERF_TRY(bur, toolOfRack("round-014"));
   bur.drive.handpiece = findHandpiece("electric");
   KERF_TRY(model, makeModel(std::span(&bur, 1)));
+  model.settings.coupling.stiffness = ForceHand::kStiffness;
   KERF_TRY(table, readDefaultMaterials());
   std::map<std::string, double> rates;  // mm^3/s per N
   // Gently in what is soft, so that every plunge takes some seconds.
@@ -110,6 +111,7 @@ Expected<void> fitRemoval(Result& r, const Bench& bench) {
   constexpr double kRadius = 0.8, kSpeed = 840;
   Model model;
   model.tools = {practiceBall(kRadius, kSpeed)};
+  model.settings.coupling.stiffness = ForceHand::kStiffness;
   KERF_TRY(materials, readDefaultMaterials());
   KERF_TRY(tissues, tissueTable(materials));
   model.tissues = tissues;

@@ -271,7 +271,8 @@ CutPath pathOf(const std::vector<Vec3d>& tips, double speed, const Eigen::Quater
 
 Expected<void> addBurOnEnamel(Result& r) {
   KERF_TRY(block, practiceBlock({6, 6, 3}, 0.05, {}, Material::kEnamel));
-  const Model model = ballModel(0.1, Response::kPenalty);
+  Model model = ballModel(0.1, Response::kPenalty);
+  model.settings.coupling.stiffness = ForceHand::kStiffness;
   const CutPath path = pathOf({{0.013, 0.027, 0.01}, {0.013, 0.027, -2}}, 1, Eigen::Quaterniond::Identity());
   const auto press = [&](double irrigation, const HeatSettings& settings) {
     ForceHand hand(path, model.settings.coupling, {.force = 1});

@@ -10,19 +10,22 @@ Rigid3 between(const Rigid3& a, const Rigid3& b, double s) {
   return {a.rotation.slerp(s, b.rotation), a.translation + s * (b.translation - a.translation)};
 }
 
-constexpr double kSharpTurn = 0.87;   // cosine of 30 degrees
-constexpr double kUnheld = 0.3;       // mm: ahead of a tool that touches nothing
-constexpr double kAheadOfTurn = 0.3;  // mm: a hand that goes for more runs past a corner
-constexpr double kLeanRate = 10;      // 1/s: how fast a hand leans against what keeps the tool off its line
-// Nearer than this part of `off_line` a hand leans no more: the drag of a bur turns what pushes it, and a hand that
-// answers late to the last micrometre makes it walk round its hole, wider and wider.
-constexpr double kNearLine = 0.6;
-constexpr double kHold = 2;         // mm that a hand holds against each mm the tool is off its line, at once
-constexpr double kSideways = 2;     // a hand holds sideways with up to this times its push
+constexpr double kEnd = 1e-3;       // mm: nearer than this to its end a stretch is done
+constexpr double kOnLine = 0.03;    // mm: a tool that is no farther off its line goes on to the next stretch
+constexpr double kArrived = 0.01;   // mm from the end of the path
+constexpr double kUnheld = 0.3;     // N: the least that moves and brakes a tool which touches nothing
+constexpr double kLeanRate = 60;    // 1/s: how fast a hand leans against what keeps the tool off its line
+constexpr double kLeanWait = 10;    // 1/s: the same while the tool hardly moves
 constexpr double kTurnRate = 1;     // rad/s: turns on the spot
 constexpr double kStalled = 0.02;   // of the highest speed of the drive: a hand lets go
 constexpr double kRecovered = 0.5;  // and pushes again
-constexpr double kLetsGo = 0.1;     // mm that it draws back, and no farther to a side
+constexpr double kLetsGo = 0.1;     // N that it draws back with, and holds to a side
+constexpr double kFront = 0.75;     // of the overlap: a stretch ends where this much of it is cut
+constexpr double kMean = 0.03;      // mm of the way: what the tool cuts and leaves is a mean over this
+constexpr double kQuick = 0.1;      // at most this part of a mean is new in a tick
+constexpr double kSlow = 0.005;     // and at least this
+constexpr double kFriction = 0.3;   // of a spinning tool: so much of a force may be drag, which presses on nothing
+constexpr double kSkids = 0.15;     // a tool that removes less than this share of its way is pushed on less
 
 constexpr double kNoWay = 1e-9;  // mm: shorter stretches are turns on the spot
 
@@ -31,7 +34,20 @@ Vec3d shortened(const Vec3d& v, double most) {
   return size > most ? Vec3d(v * (most / size)) : v;
 }
 
+Vec3d across(const Vec3d& v, const Vec3d& unit) { return v - unit.dot(v) * unit; }
+
 double duration(const CutPath& path) { return path.poses.back().t - path.poses.front().t; }
+
+double lengthAfter(const CutPath& path, double t) {
+  double sum = 0;
+  Vec3d at = poseAt(path, t).translation;
+  for (const PathPose& pose : path.poses) {
+    if (pose.t <= path.poses.front().t + t) continue;
+    sum += (pose.T_object_tool.translation - at).norm();
+    at = pose.T_object_tool.translation;
+  }
+  return sum;
+}
 
 }  // namespace
 
@@ -61,12 +77,14 @@ bool FeedHand::next(const StepOutput&, DeviceSample& sample) {
 
 double FeedHand::progress() const { return duration(path_) > 0 ? std::min(1.0, t_ / duration(path_)) : 1; }
 
+double FeedHand::left() const { return lengthAfter(path_, t_); }
+
 ForceHand::ForceHand(const CutPath& path, const CouplingSettings& coupling, const Options& options)
     : path_(path),
       options_(options),
-      lead_(options.force / coupling.stiffness),
       stiffness_(coupling.stiffness),
-      farthest_(coupling.force_limit / coupling.stiffness) {
+      lead_(options.force / coupling.stiffness),
+      tip_(path.poses.front().T_object_tool.translation) {
   double sum = 0;
   for (std::size_t n = 0; n < path.poses.size(); ++n) {
     if (n > 0) sum += (path.poses[n].T_object_tool.translation - path.poses[n - 1].T_object_tool.translation).norm();
@@ -84,33 +102,34 @@ bool ForceHand::next(const StepOutput& last, DeviceSample& sample) {
     sample.T_world_device = poseAt(path_, 0);
     return true;
   }
+  const Vec3d moved = last.T_world_tool.translation - tip_;
+  tip_ = last.T_world_tool.translation;
 
-  // How far the tool has come along this stretch, never backwards; a stretch is done a micrometre before its end.
+  // How far the tool has come along this stretch, never backwards. Where the tool has tissue in front of it, it goes on
+  // for so long that the stretch is cut to its end.
   const auto pose = [&](std::size_t n) -> const Rigid3& { return path_.poses[n].T_object_tool; };
   Vec3d along = Vec3d::Zero(), beside = Vec3d::Zero();
-  double whole = 0, done = 0, turn = 0;
+  double whole = 0, done = 0, turn = 0, left = 0;
   for (;; ++stretch_, turned_ = 0) {
-    if (stretch_ + 1 >= path_.poses.size()) {
-      at_ = length_.back();
-      return false;
-    }
+    if (stretch_ + 1 >= path_.poses.size()) return settle(sample);
     whole = length_[stretch_ + 1] - length_[stretch_];
-    beside = last.T_world_tool.translation - pose(stretch_).translation;
+    beside = tip_ - pose(stretch_).translation;
     const bool is_turn = whole < kNoWay;
     along =
         is_turn ? Vec3d(Vec3d::Zero()) : Vec3d((pose(stretch_ + 1).translation - pose(stretch_).translation) / whole);
     turn = is_turn ? pose(stretch_).rotation.angularDistance(pose(stretch_ + 1).rotation) : 0;
     done = along.dot(beside);
-    beside -= done * along;
+    beside = across(beside, along);
+    left = is_turn ? 0 : whole - done + kFront * std::max(0.0, -along.dot(overlapOf(last)));
     if (is_turn) {
       if (turned_ < turn) break;
       continue;
     }
     // A tool that was kept off its line has not been where the stretch ends.
-    if (done < whole - 1e-3 || beside.norm() > 2 * options_.off_line) break;
+    if (left > kEnd || (beside + across(film_, along)).norm() > kOnLine) break;
   }
-  done = std::clamp(done, 0.0, whole);
-  at_ = std::max(at_, length_[stretch_] + done);
+  const double gone = std::clamp(whole - left, 0.0, whole);
+  at_ = std::max(at_, length_[stretch_] + gone);
 
   // Whoever feels the drive stall lets go until it is back.
   const double speed = std::abs(last.speed);
@@ -118,36 +137,80 @@ bool ForceHand::next(const StepOutput& last, DeviceSample& sample) {
   is_stalled_ = path_.cuts[stretch_] && speed < (is_stalled_ ? kRecovered : kStalled) * fastest_;
   const bool is_coming_up = is_stalled_ && speed > last_speed_;
   last_speed_ = speed;
+  has_come_up_ = has_come_up_ || !is_stalled_;
 
-  const double off = beside.norm();
-  if (!is_coming_up) gave_up_ = !moves(turn > 0, off);
+  const double share = feelFilm(last, along, moved);
+  const Vec3d off = beside + film_;
+  if (has_come_up_ || !is_coming_up) gave_up_ = !moves(turn > 0, off.norm());
   if (gave_up_) return false;
 
-  // Hold the tool on its line: at once as a spring, and leaning more and more. Where nothing touches the tool the hand
-  // does not stand far beside it or ahead of it: a tool that breaks through must not fly.
-  const double touched = last.contact.force.norm() / stiffness_ + kUnheld;
-  const double most_beside = is_stalled_ ? kLetsGo : std::min({kSideways * lead_, touched, farthest_});
-  const double beyond = std::max(0.0, 1 - kNearLine * options_.off_line / std::max(off, 1e-9));
-  lean_ -= kLeanRate * std::max(1.0, lead_) * kTick * beyond * beside;
-  lean_ -= along.dot(lean_) * along;
-  lean_ = shortened(lean_, most_beside);
-  const Vec3d hold = shortened(lean_ - kHold * beside, most_beside);
+  // Hold the tool where it cuts on its line: at once as a spring, and leaning more and more. The coupling is the
+  // spring.
+  const double least = last.touching > 0 ? 0 : kUnheld / stiffness_;
+  const double most = is_stalled_ ? kLetsGo / stiffness_ : std::max(lead_, least);
+  lean_ -= std::min(kLeanRate * kTick, kLeanWait * kTick + moved.norm() / lead_) * off;
+  lean_ = shortened(across(lean_, along), most);
+  const bool pushes = turn == 0 && left > kEnd;
+  const Vec3d hold = shortened(lean_ - off + (pushes ? 0 : left) * along, most);
 
-  // Push on, the less the farther the tool is off its line.
-  const double on_line = std::clamp(2 - off / options_.off_line, 0.0, 1.0);
-  const double left = std::sqrt(std::max(0.0, farthest_ * farthest_ - hold.squaredNorm()));
-  double forward = std::min({touched, on_line * lead_, left});
-  if (turnsAfter(stretch_)) forward = std::min(forward, whole - done + kAheadOfTurn);
-  if (is_stalled_) forward = last.touching > 0 ? -kLetsGo : 0;
+  // Push on with the rest of the force.
+  double forward = along.dot(hold);
+  if (pushes) {
+    forward = std::sqrt(std::max(0.0, most * most - hold.squaredNorm()));
+    forward += std::clamp(along.dot(moved), 0.0, options_.feed_limit * kTick);
+    forward *= std::clamp((1 - share) / kSkids, 0.0, 1.0);
+  }
+  if (is_stalled_) forward = last.touching > 0 ? -most : 0;
 
   turned_ += kTurnRate * kTick;
-  const double part = turn > 0 ? std::min(1.0, turned_ / turn) : done / whole;
-  if (turn > 0) forward = 0;
-  ahead_ = std::min(at_ + forward, std::max(ahead_, at_) + options_.feed_limit * kTick);
+  const double part = turn > 0 ? std::min(1.0, turned_ / turn) : gone / whole;
+  const double now = length_[stretch_] + done;
+  ahead_ = std::min(now + forward, std::max(ahead_, now) + options_.feed_limit * kTick);
   sample.T_world_device = between(pose(stretch_), pose(stretch_ + 1), part);
-  sample.T_world_device.translation = pose(stretch_).translation + (ahead_ - length_[stretch_]) * along + hold;
+  sample.T_world_device.translation =
+      pose(stretch_).translation + (ahead_ - length_[stretch_]) * along + beside + across(hold, along);
   sample.pedal = path_.cuts[stretch_] ? 1 : 0;
   return true;
+}
+
+// The path is done: the tool comes back from the tissue that it was pushed into, to where the path ends.
+bool ForceHand::settle(DeviceSample& sample) {
+  at_ = length_.back();
+  const Rigid3& end = path_.poses.back().T_object_tool;
+  const Vec3d off = tip_ - end.translation;
+  if (off.norm() <= kArrived) return false;
+  gave_up_ = !moves(false, off.norm());
+  if (gave_up_) return false;
+
+  sample.T_world_device = end;
+  sample.T_world_device.translation = tip_ - shortened(off, std::max(lead_, kUnheld / stiffness_));
+  sample.pedal = path_.cuts.back() ? 1 : 0;
+  return true;
+}
+
+// How deep the tool is in the tissue, out of it, mm.
+Vec3d ForceHand::overlapOf(const StepOutput& last) {
+  const double force = last.contact.force.norm();
+  return force > 0 ? Vec3d(last.contact.force * (last.deepest / force)) : Vec3d(Vec3d::Zero());
+}
+
+// A tool that is pushed overlaps with the tissue until that is eroded. Of the section in its way it removes a part; of
+// the overlap it leaves as much standing as of the section. That is the film. @return the share that it leaves.
+double ForceHand::feelFilm(const StepOutput& last, const Vec3d& along, const Vec3d& moved) {
+  const double fresh = std::clamp(moved.norm() / kMean, kSlow, kQuick);
+  advance_ += fresh * (along.dot(moved) - advance_);
+  removed_ += fresh * (last.removed_mm3 - removed_);
+  overlap_ += fresh * (overlapOf(last) - overlap_);
+  const double leaves = 2 * std::max(0.0, advance_) * last.deepest * std::sqrt(last.area);
+  const double share = leaves > 0 ? leaves / (leaves + std::max(0.0, removed_)) : 0;
+
+  // Across the tool's axis the drag of a spinning tool is a part of the force.
+  film_ = across(share * overlap_, along);
+  const Vec3d axis = last.T_world_tool.rotation * Vec3d::UnitZ();
+  const Vec3d aside = across(film_, axis);
+  const double pressure = aside.norm() - kFriction * share * overlap_.norm();
+  film_ += (pressure > 0 ? pressure / aside.norm() - 1 : -1) * aside;
+  return share;
 }
 
 // False: nothing has moved for `patience` seconds, neither along the way nor back to it. A tool that goes to and fro
@@ -166,18 +229,6 @@ bool ForceHand::moves(bool is_turning, double off) {
   const bool comes_nearer = off_late_ < 0.95 * off_early_ - options_.stillness;
   waited_ = off_early_ = off_late_ = 0;
   return comes_nearer;
-}
-
-// Whether the path takes a sharp turn where a stretch ends. Arcs are many stretches with small ones.
-bool ForceHand::turnsAfter(std::size_t stretch) const {
-  const auto way = [&](std::size_t n) -> Vec3d {
-    return path_.poses[n + 1].T_object_tool.translation - path_.poses[n].T_object_tool.translation;
-  };
-  const Vec3d before = way(stretch);
-  for (std::size_t n = stretch + 1; n + 1 < path_.poses.size(); ++n)
-    if (const Vec3d after = way(n); after.norm() > kNoWay)
-      return before.dot(after) < kSharpTurn * before.norm() * after.norm();
-  return false;
 }
 
 DeviceHand::DeviceHand(const CutPath& path, const Options& options)
@@ -227,5 +278,7 @@ bool DeviceHand::next(const StepOutput& last, DeviceSample& sample) {
 }
 
 double DeviceHand::progress() const { return duration(path_) > 0 ? std::min(1.0, t_ / duration(path_)) : 1; }
+
+double DeviceHand::left() const { return lengthAfter(path_, t_); }
 
 }  // namespace kerf

@@ -17,6 +17,8 @@ class VirtualHand {
   virtual bool next(const StepOutput& last, DeviceSample& sample) = 0;
   /// 0 to 1.
   virtual double progress() const = 0;
+  /// Of the path that it has not gone, mm.
+  virtual double left() const = 0;
 };
 
 /// Where a path is at a time, s after its first pose; the last pose ever after. Straight and by the shorter turn
@@ -30,6 +32,7 @@ class FeedHand final : public VirtualHand {
   explicit FeedHand(const CutPath& path) : path_(path) {}
   bool next(const StepOutput& last, DeviceSample& sample) override;
   double progress() const override;
+  double left() const override;
 
  private:
   const CutPath& path_;
@@ -37,12 +40,12 @@ class FeedHand final : public VirtualHand {
   bool is_over_ = false;
 };
 
-/// Constant force: pushes along the path. The coupling is pulled `force / stiffness` ahead of where the tool is, in the
-/// direction of the stretch it is on, no faster than `feed_limit`. It has a rest: slopes and the tool's own drag push a
-/// tool off its line, and the hand holds it there as a spring and leans against them, with up to twice its push. It
-/// waits for a tool off its line before it pushes on, and slows down before a sharp turn. Turns on the spot take their
-/// time. It waits for the drive to come up to half of its speed, and lets go when it stalls. What of a path cannot be
-/// cut is left, not cut elsewhere. For Rendering::kCoupled. Gives up when nothing has moved for `patience` seconds.
+/// Constant force: pulls the tool with `force`, sideways with as much of it as holds the tool on its line, and along
+/// the path with the rest, no faster than `feed_limit`. A tool that is pushed overlaps with the tissue until that is
+/// eroded: the hand goes by where the tool has cut, so that a hard push leaves no film. It waits for a tool off its
+/// line. Turns on the spot take their time. It waits for the drive to come up to half of its speed, and lets go when it
+/// stalls. What of a path cannot be cut is left, not cut elsewhere. For Rendering::kCoupled with a coupling of
+/// kStiffness: a softer one lets the tool off its line. Gives up when nothing has moved for `patience` seconds.
 class ForceHand final : public VirtualHand {
  public:
   struct Options {
@@ -51,31 +54,36 @@ class ForceHand final : public VirtualHand {
     double patience = 5;       ///< s
     double stillness = 0.002;  ///< mm: less progress than this in `patience` seconds is none
     double free_speed = 0;     ///< of the drive, as StepOutput::speed; 0: not known, the fastest so far counts
-    double off_line = 0.03;    ///< mm: a tool farther off its line is pushed on less, at twice that not at all
   };
+  static constexpr double kStiffness = 100;  ///< N/mm: no device that has to hold it stands between hand and tool
   ForceHand(const CutPath& path, const CouplingSettings& coupling, const Options& options);
   bool next(const StepOutput& last, DeviceSample& sample) override;
   double progress() const override;
+  double left() const override { return length_.back() - at_; }
   bool gaveUp() const { return gave_up_; }
 
  private:
-  bool turnsAfter(std::size_t stretch) const;
+  static Vec3d overlapOf(const StepOutput& last);
+  double feelFilm(const StepOutput& last, const Vec3d& along, const Vec3d& moved);
+  bool settle(DeviceSample& sample);
   bool moves(bool is_turning, double off);
 
   const CutPath& path_;
   Options options_;
-  double lead_;                          // mm
-  double stiffness_;                     // N/mm
-  double farthest_;                      // mm from hand to tool: from there on the coupling pulls no harder
-  std::vector<double> length_;           // of the way up to each pose, mm
-  std::size_t stretch_ = 0;              // from this pose to the next
-  double at_ = 0, ahead_ = 0;            // mm of the way: the tool; where it is pulled to
-  Vec3d lean_ = Vec3d::Zero();           // mm: how far beside its line the hand stands, to bring the tool back to it
-  double watched_ = 0, waited_ = 0;      // mm of the way, s
-  double off_early_ = 0, off_late_ = 0;  // mm beside it, at most, while waiting
-  double turned_ = 0;                    // rad of a turn on the spot
-  double fastest_ = 0, last_speed_ = 0;  // StepOutput::speed
-  bool has_begun_ = false, gave_up_ = false, is_stalled_ = false;
+  double stiffness_;                  // N/mm
+  double lead_;                       // mm from tool to hand that pull with the force
+  Vec3d tip_;                         // of the tool, a tick ago
+  std::vector<double> length_;        // of the way up to each pose, mm
+  std::size_t stretch_ = 0;           // from this pose to the next
+  double at_ = 0, ahead_ = 0;         // mm of the way: the tool; where it is pulled to
+  Vec3d lean_ = Vec3d::Zero();        // mm: how far beside its line the hand stands to hold the tool
+  double advance_ = 0, removed_ = 0;  // means of a tick: mm along the way, mm^3
+  Vec3d overlap_ = Vec3d::Zero(), film_ = Vec3d::Zero();  // mean; what is left across the way, mm, out of the tissue
+  double watched_ = 0, waited_ = 0;                       // mm of the way, s
+  double off_early_ = 0, off_late_ = 0;                   // mm beside it, at most, while waiting
+  double turned_ = 0;                                     // rad of a turn on the spot
+  double fastest_ = 0, last_speed_ = 0;                   // StepOutput::speed
+  bool has_begun_ = false, gave_up_ = false, is_stalled_ = false, has_come_up_ = false;
 };
 
 /// A force-feedback device in a person's hand: a mass on a spring and damper to where the hand wants to be (the path).
@@ -95,6 +103,7 @@ class DeviceHand final : public VirtualHand {
   DeviceHand(const CutPath& path, const Options& options);
   bool next(const StepOutput& last, DeviceSample& sample) override;
   double progress() const override;
+  double left() const override;
 
   /// Where the device really is, mm.
   const Vec3d& position() const { return position_; }

@@ -1,5 +1,6 @@
 #include "sim/hand/virtual_hand.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -10,6 +11,7 @@
 #include "sim/run/removed_volumes.h"
 #include "sim/run/sweep_cutter.h"
 #include "tests/sim/block_scene.h"
+#include "tests/support/slice.h"
 
 namespace kerf::virtual_hand_test {
 namespace {
@@ -48,6 +50,7 @@ Plunge plunge(double force, double voxel) {
   Model model;
   model.tools = {practiceBall(0.5, 840)};
   model.tissues = oneTissue(200, 0.5, 1000);
+  model.settings.coupling.stiffness = ForceHand::kStiffness;
   State state;
   state.objects.emplace_back(block({3, 3, 4}, voxel));
   const CutPath path = straight({0.01, 0.02, 0.05}, {0.01, 0.02, -3}, 1);
@@ -113,6 +116,7 @@ double shareOfThePlan(double force, double voxel) {
   Model model;
   model.tools = {practiceBall(0.5, 8400)};
   model.tissues = oneTissue(200, 0.3, 1000);
+  model.settings.coupling.stiffness = ForceHand::kStiffness;
   CutPath path;
   double t = 0;
   for (const Vec3d& p : {Vec3d(-1, -1, 0.2), Vec3d(-1, -1, -0.7), Vec3d(1, -1, -0.7), Vec3d(1, 1, -0.7)})
@@ -170,6 +174,7 @@ Pushed pushAlong(const CutPath& path, const char* tool_id, double force, const R
   model.tools = {makeToolModel(*readTool(*file))};
   model.tools[0].drive.stall_load *= of_its_torque;
   model.tissues = oneTissue(200, 0.3, 1000);
+  model.settings.coupling.stiffness = ForceHand::kStiffness;
   State state;
   state.objects.emplace_back(block({5, 5, 4}, 0.1, attitude), 8192);
   ForceHand::Options options;
@@ -224,6 +229,85 @@ TEST(VirtualHand, AHandGivesUpWhenItsDriveStallsAgainAndAgain) {
   EXPECT_TRUE(pushed.gave_up);
   EXPECT_LT(pushed.fell_to, 0.1);
   EXPECT_LT(pushed.seconds, 60);
+}
+
+// A shallow pocket of 1.5 x 0.7 mm in dentin by a bur of the rack: what came of the push.
+struct Pocket {
+  double force = 0;          // N on the tool, mean while something touches it
+  double share = 0;          // of the plan that was removed
+  double end = 0, left = 0;  // mm from the end of the path; of the path
+  double least_speed = 1;    // of the drive, once it had come up to that of its load
+  double strongest = 0;      // N
+  bool gave_up = false;
+};
+Pocket pocket(const char* tool_id, double depth, double push, double voxel) {
+  Pocket out;
+  const auto file = findToolFile(tool_id, defaultToolFolders());
+  const auto tool = file ? readTool(*file) : Expected<Tool>(fail(file.error()));
+  EXPECT_TRUE(tool) << tool_id;
+  if (!tool) return out;
+  Model model;
+  model.tools = {makeToolModel(*tool)};
+  model.tissues = oneTissue(200, 0.3, 1000);
+  model.settings.coupling.stiffness = ForceHand::kStiffness;
+  CutPath path;
+  for (const Vec3d& p :
+       {Vec3d(-0.75, -0.35, 0.3), Vec3d(-0.75, -0.35, -depth), Vec3d(0.75, -0.35, -depth), Vec3d(0.75, 0, -depth),
+        Vec3d(-0.75, 0, -depth), Vec3d(-0.75, 0.35, -depth), Vec3d(0.75, 0.35, -depth)})
+    path.poses.push_back({static_cast<double>(path.poses.size()), {Eigen::Quaterniond::Identity(), p}});
+  path.cuts.assign(path.poses.size() - 1, 1);
+
+  const auto object = block({4, 3, 2}, voxel);
+  SweepCutter sweep(object->phi0());
+  for (std::size_t n = 0; n + 1 < path.poses.size(); ++n)
+    sweep.advance(SweptTool(*tool->cut, path.poses[n].T_object_tool, path.poses[n + 1].T_object_tool));
+  const BrickField plan = sweep.cutField();
+  State state;
+  state.objects.emplace_back(object, 8192);
+  ForceHand hand(path, model.settings.coupling, {.force = push, .free_speed = model.tools[0].drive.speed});
+  StepOutput tick;
+  DeviceSample sample;
+  state.place(poseAt(path, 0));
+  int touching = 0;
+  for (int n = 0; n < 120'000 && hand.next(tick, sample); ++n) {
+    step(model, state, sample, tick);
+    const double force = tick.contact.force.norm();
+    out.strongest = std::max(out.strongest, force);
+    if (tick.touching == 0) continue;
+    ++touching;
+    out.force += force;
+    out.least_speed = std::min(out.least_speed, tick.speed / model.tools[0].drive.speed);
+  }
+  out.force /= std::max(touching, 1);
+  out.share = internal::commonVolume(object->phi0(), plan, state.objects[0].bricks().changedField()) /
+              internal::sumOf(internal::removedVolumes(object->phi0(), plan, internal::materialsOf(*object)));
+  out.end = (tick.T_world_tool.translation - path.poses.back().T_object_tool.translation).norm();
+  out.left = hand.left();
+  out.gave_up = hand.gaveUp();
+  return out;
+}
+
+TEST(VirtualHand, TheForceAskedForIsAppliedOnShortStrokesAndMoreOfItRemovesNoLess) {
+  test::Slice slice(3);
+  // A ball that passes over the ridge between two of its own strokes skids a little.
+  for (const auto& [tool, less] : {std::pair("us-330", 0.03), std::pair("801-014", 0.08), std::pair("856-016", 0.03)})
+    for (const double depth : {0.1, 0.2, 0.4}) {
+      if (!slice.has()) continue;
+      double most = 0;
+      for (const double push : {0.3, 1.0, 2.0, 4.0, 8.0}) {
+        const Pocket p = pocket(tool, depth, push, 0.1);
+        const std::string where = fmt::format("{} {} mm deep, {} N: {:.3f} N, {:.3f} of the plan, drive down to {:.2f}",
+                                              tool, depth, push, p.force, p.share, p.least_speed);
+        EXPECT_FALSE(p.gave_up) << where;
+        EXPECT_LE(p.end, 0.02) << where;
+        EXPECT_NEAR(p.left, 0, 1e-9) << where;
+        if (p.least_speed < 0.1) continue;  // overloaded: the hand lets go, or is about to
+        EXPECT_NEAR(p.force / push, 1, 0.1) << where;
+        EXPECT_GT(p.share, most - less) << where;  // a voxel more or less
+        EXPECT_GT(p.share, 0.9) << where;
+        most = std::max(most, p.share);
+      }
+    }
 }
 
 TEST(VirtualHand, ATurnOnTheSpotTakesItsTime) {
