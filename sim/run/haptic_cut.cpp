@@ -46,17 +46,17 @@ StepSettings settingsOf(const HapticCutOptions& options) {
   StepSettings settings = options.step;
   if (options.hand == HandKind::kDevice)
     settings.coupling = couplingFor(profileOf(options.device), options.step.coupling).settings;
+  if (options.hand == HandKind::kForce) settings.coupling.stiffness = ForceHand::kStiffness;
   settings.rendering = options.hand == HandKind::kFeed ? Rendering::kRigid : Rendering::kCoupled;
   return settings;
 }
 
-// @param free_speed  of the tool's drive.
-std::unique_ptr<VirtualHand> makeHand(const CutPath& path, const HapticCutOptions& o, double free_speed) {
+std::unique_ptr<VirtualHand> makeHand(const CutPath& path, const HapticCutOptions& o, const Model& model) {
   switch (o.hand) {
     case HandKind::kForce: {
       ForceHand::Options force = o.force;
-      force.free_speed = o.add.empty() ? o.spindle * free_speed : 0;
-      return std::make_unique<ForceHand>(path, o.step.coupling, force);
+      force.free_speed = o.add.empty() ? o.spindle * model.tools[0].drive.speed : 0;
+      return std::make_unique<ForceHand>(path, model.settings.coupling, force);
     }
     case HandKind::kDevice:
       return std::make_unique<DeviceHand>(path, o.device);
@@ -87,6 +87,7 @@ Expected<void> chooseMaterial(Session& session, const MaterialTable& materials, 
 struct Simulated {
   std::uint64_t ticks = 0;
   double removed_mm3 = 0, added_mm3 = 0;  // of the case
+  double short_of_end_mm = 0;
   bool is_complete = false, is_out_of_time = false;
   std::string ended;
 };
@@ -102,7 +103,7 @@ void endByHand(const VirtualHand& hand, const HapticCutOptions& options, Simulat
 // Ticks until the hand is done or the time is over; each tick is shown to the observers.
 Expected<Simulated> simulate(Session& session, const CutInputs& inputs, const HapticCutOptions& options,
                              CutObservers& observers, const Progress& progress) {
-  const std::unique_ptr<VirtualHand> hand = makeHand(inputs.path, options, session.model().tools[0].drive.speed);
+  const std::unique_ptr<VirtualHand> hand = makeHand(inputs.path, options, session.model());
   const auto limit = static_cast<std::uint64_t>(options.time_limit / kTick);
   Simulated out;
   DeviceSample sample;
@@ -144,6 +145,8 @@ Expected<Simulated> simulate(Session& session, const CutInputs& inputs, const Ha
                     .added_mm3 = out.added_mm3});
   }
   session.finish();
+  const Vec3d& end = inputs.path.poses.back().T_object_tool.translation;
+  out.short_of_end_mm = std::max(hand->left(), (tick.T_world_tool.translation - end).norm());
   return out;
 }
 
@@ -275,6 +278,7 @@ HapticSummary summarise(const Session& session, const CutScene& scene, const Sim
   out.seconds = static_cast<double>(simulated.ticks) * kTick;
   out.is_complete = simulated.is_complete;
   out.ended = simulated.ended;
+  out.short_of_end_mm = simulated.short_of_end_mm;
   const StepSettings& settings = session.model().settings;
   if (settings.rendering == Rendering::kCoupled) out.coupling = settings.coupling.stiffness;
 

@@ -32,6 +32,7 @@ std::string toJson(const HapticSummary& s) {
                    {"seconds", s.seconds},
                    {"is_complete", s.is_complete},
                    {"ended", s.ended},
+                   {"short_of_end_mm", s.short_of_end_mm},
                    {"initial_mm3", s.initial_mm3},
                    {"removed_mm3", s.removed_mm3},
                    {"added_mm3", s.added_mm3},

@@ -18,11 +18,12 @@ namespace kerf {
 struct HapticSummary {
   std::uint64_t ticks = 0;
   double seconds = 0;
-  CutSettings settings;       ///< with what it was cut
-  bool is_complete = false;   ///< the virtual hand came to the end of its path
-  std::string ended;          ///< why it ended
-  double coupling = 0;        ///< stiffness between hand and tool, N/mm; 0: the hand holds the tool itself
-  std::string coupling_text;  ///< of a device: the same in words, and why it is no stiffer
+  CutSettings settings;        ///< with what it was cut
+  bool is_complete = false;    ///< the virtual hand came to the end of its path
+  std::string ended;           ///< why it ended
+  double short_of_end_mm = 0;  ///< of the path that was not gone, or from the tool to the path's end: the larger
+  double coupling = 0;         ///< stiffness between hand and tool, N/mm; 0: the hand holds the tool itself
+  std::string coupling_text;   ///< of a device: the same in words, and why it is no stiffer
 
   double removed_mm3 = 0, remaining_mm3 = 0, initial_mm3 = 0;
   std::map<std::string, double> initial_by_material;  ///< by id

@@ -87,6 +87,29 @@ TEST_F(CliPromises, ABurOfOneVoxelAndAPathThatBeginsInsideAreWarnedOf) {
         {"WARNING", "begins", "inside tissue"});
 }
 
+TEST_F(CliPromises, ACutThatEndsBeforeItsPathSaysHowFarShort) {
+  makeCase();
+  folder_.write("short.toml",
+                "format = \"kerf-path\"\nversion = 1\nframe = \"object\"\n[start]\nposition = [-2, 0.3, 0.5]\n"
+                "axis = [0, 0, 1]\n[[stroke]]\nkind = \"plunge\"\ndepth = 0.8\n[[stroke]]\nkind = \"line\"\n"
+                "by = [1.5, 0, 0]\n");
+  for (const std::string hand : {"feed", "force", "device"}) {
+    std::vector<std::string> words{"cut", at("box.case"), "--tool", "round-014", "--path", at("short.toml"), "--hand"};
+    words.insert(words.end(), {hand, "--time-limit", "0.3", "-o", at(hand + ".run")});
+    const Outcome told = runKerf(words);
+    EXPECT_EQ(told.exit_code, 0) << told.err;
+    EXPECT_NE(told.out.find("mm short of the path's end"), told.out.npos) << told.out;
+    words.back() = at(hand + "2.run");
+    words.emplace_back("--json");
+    const json part = json::parse(runKerf(words).out);
+    EXPECT_GT(part["short_of_end_mm"].get<double>(), 1) << part;
+    EXPECT_LT(part["short_of_end_mm"].get<double>(), 2.3) << part;
+  }
+  const Outcome done = runKerf({"cut", at("box.case"), "--tool", "round-014", "--path", at("short.toml"), "--hand",
+                                "force", "--push", "2", "-o", at("done.run")});
+  EXPECT_NE(done.out.find("ended: end of the path\n"), done.out.npos) << done.out << done.err;
+}
+
 // The second stroke stays above the box; the third goes through its floor, 4 mm below.
 TEST_F(CliPromises, AStrokeForNothingAndATipThatComesOutBehindAreTold) {
   makeCase();

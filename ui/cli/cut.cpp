@@ -192,12 +192,20 @@ void printMonitored(const HapticSummary& s) {
   printText("\n");
 }
 
+// Nothing of a tool that is where its path ends.
+std::string shortOfEnd(const HapticSummary& s) {
+  constexpr double kAtEnd = 0.02;  // mm
+  return s.short_of_end_mm > kAtEnd ? fmt::format(", {:.2f} mm short of the path's end", s.short_of_end_mm)
+                                    : std::string();
+}
+
 void printCut(const CutArguments& a, const HapticCut& cut) {
   const HapticSummary& s = cut.summary;
   const bool is_default = findResponse(a.response)->response == StepSettings{}.response;
   const std::string response = is_default ? "" : " by " + a.response;
-  printText("cut with {} held by a {} hand{} for {:.2f} s, {:.2f} s of it in contact, voxels {} mm; ended: {}\n",
-            cut.manifest.tool_id, a.hand, response, s.seconds, s.seconds_in_contact, cut.manifest.voxel_mm, s.ended);
+  printText("cut with {} held by a {} hand{} for {:.2f} s, {:.2f} s of it in contact, voxels {} mm; ended: {}{}\n",
+            cut.manifest.tool_id, a.hand, response, s.seconds, s.seconds_in_contact, cut.manifest.voxel_mm, s.ended,
+            shortOfEnd(s));
   if (!s.coupling_text.empty()) printText("the device can hold a coupling of {}\n", s.coupling_text);
   printVolumes(s, !a.haptic.add.empty());
   printPlan(s);
@@ -443,20 +451,19 @@ void addOptionsOfOneHand(CLI::App& command, CutArguments& a) {
   coupled->add_option("--response", a.response, responseHelp())
       ->check(CLI::IsMember(responseNames()))
       ->capture_default_str();
-  coupled
-      ->add_option("--coupling", a.haptic.step.coupling.stiffness,
-                   "stiffness of the virtual coupling, N/mm; with --hand device at most: less where the device could "
-                   "not hold it")
-      ->capture_default_str();
 
   auto* force = command.add_option_group("With --hand force");
-  force->add_option("--push", a.haptic.force.force, "force along the path, 0.01 to 8 N")->capture_default_str();
+  force->add_option("--push", a.haptic.force.force, "force on the tool, 0.01 to 8 N")->capture_default_str();
   force->add_option("--feed-limit", a.haptic.force.feed_limit, "no faster than this, mm/s")->capture_default_str();
   force->add_option("--patience", a.haptic.force.patience, "s without progress until it gives up")
       ->capture_default_str();
 
   DeviceHand::Options& d = a.haptic.device;
   auto* device = command.add_option_group("With --hand device");
+  device
+      ->add_option("--coupling", a.haptic.step.coupling.stiffness,
+                   "stiffness of the virtual coupling, N/mm; less where the device could not hold it")
+      ->capture_default_str();
   device->add_option("--device-mass", d.mass_kg, "kg")->capture_default_str();
   device->add_option("--device-damping", d.damping, "N s/mm")->capture_default_str();
   device->add_option("--device-friction", d.friction, "N")->capture_default_str();
