@@ -24,8 +24,8 @@ constexpr double kFront = 0.75;     // of the overlap: a stretch ends where this
 constexpr double kMean = 0.03;      // mm of the way: what the tool cuts and leaves is a mean over this
 constexpr double kQuick = 0.1;      // at most this part of a mean is new in a tick
 constexpr double kSlow = 0.005;     // and at least this
-constexpr double kFriction = 0.3;   // of a spinning tool: so much of a force may be drag, which presses on nothing
-constexpr double kSkids = 0.15;     // a tool that removes less than this share of its way is pushed on less
+constexpr double kFriction = 0.15;  // of a spinning tool: so much of a force may be drag, which presses on nothing
+constexpr double kSkids = 0.4;      // a tool that removes a smaller share of its way is pushed down instead of on
 
 constexpr double kNoWay = 1e-9;  // mm: shorter stretches are turns on the spot
 
@@ -139,7 +139,9 @@ bool ForceHand::next(const StepOutput& last, DeviceSample& sample) {
   last_speed_ = speed;
   has_come_up_ = has_come_up_ || !is_stalled_;
 
-  const double share = feelFilm(last, along, moved);
+  // A drive that is off leaves no film: nothing is cut.
+  const double share = path_.cuts[stretch_] ? feelFilm(last, along, moved) : 0;
+  if (!path_.cuts[stretch_]) film_.setZero();
   const Vec3d off = beside + film_;
   if (has_come_up_ || !is_coming_up) gave_up_ = !moves(turn > 0, off.norm());
   if (gave_up_) return false;
@@ -151,14 +153,17 @@ bool ForceHand::next(const StepOutput& last, DeviceSample& sample) {
   lean_ -= std::min(kLeanRate * kTick, kLeanWait * kTick + moved.norm() / lead_) * off;
   lean_ = shortened(across(lean_, along), most);
   const bool pushes = turn == 0 && left > kEnd;
-  const Vec3d hold = shortened(lean_ - off + (pushes ? 0 : left) * along, most);
+  Vec3d hold = shortened(lean_ - off + (pushes ? 0 : left) * along, most);
 
-  // Push on with the rest of the force.
+  // Push on with the rest of the force. A tool that skids is pushed into the tissue in place of along it.
   double forward = along.dot(hold);
   if (pushes) {
-    forward = std::sqrt(std::max(0.0, most * most - hold.squaredNorm()));
-    forward += std::clamp(along.dot(moved), 0.0, options_.feed_limit * kTick);
-    forward *= std::clamp((1 - share) / kSkids, 0.0, 1.0);
+    const double rest = std::sqrt(std::max(0.0, most * most - hold.squaredNorm()));
+    const double moves_on = std::clamp(along.dot(moved), 0.0, options_.feed_limit * kTick);
+    forward = std::clamp((1 - share) / kSkids, 0.0, 1.0) * (rest + moves_on);
+    const double pull = forward - moves_on;
+    const Vec3d press = -std::sqrt(std::max(0.0, rest * rest - pull * pull)) * across(overlap_, along).normalized();
+    hold = shortened(hold + press, std::sqrt(std::max(0.0, most * most - pull * pull)));
   }
   if (is_stalled_) forward = last.touching > 0 ? -most : 0;
 
@@ -198,11 +203,10 @@ Vec3d ForceHand::overlapOf(const StepOutput& last) {
 // the overlap it leaves as much standing as of the section. That is the film. @return the share that it leaves.
 double ForceHand::feelFilm(const StepOutput& last, const Vec3d& along, const Vec3d& moved) {
   const double fresh = std::clamp(moved.norm() / kMean, kSlow, kQuick);
-  advance_ += fresh * (along.dot(moved) - advance_);
+  leaves_ += fresh * (2 * along.dot(moved) * last.deepest * std::sqrt(last.area) - leaves_);
   removed_ += fresh * (last.removed_mm3 - removed_);
   overlap_ += fresh * (overlapOf(last) - overlap_);
-  const double leaves = 2 * std::max(0.0, advance_) * last.deepest * std::sqrt(last.area);
-  const double share = leaves > 0 ? leaves / (leaves + std::max(0.0, removed_)) : 0;
+  const double share = leaves_ > 0 ? leaves_ / (leaves_ + std::max(0.0, removed_)) : 0;
 
   // Across the tool's axis the drag of a spinning tool is a part of the force.
   film_ = across(share * overlap_, along);

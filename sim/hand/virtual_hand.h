@@ -49,11 +49,11 @@ class FeedHand final : public VirtualHand {
 class ForceHand final : public VirtualHand {
  public:
   struct Options {
-    double force = 1;          ///< N
-    double feed_limit = 20;    ///< mm/s, in air
-    double patience = 5;       ///< s
-    double stillness = 0.002;  ///< mm: less progress than this in `patience` seconds is none
-    double free_speed = 0;     ///< of the drive, as StepOutput::speed; 0: not known, the fastest so far counts
+    double force = 1;         ///< N
+    double feed_limit = 20;   ///< mm/s, in air
+    double patience = 5;      ///< s
+    double stillness = 0.01;  ///< mm: less progress than this in `patience` seconds is none
+    double free_speed = 0;    ///< of the drive, as StepOutput::speed; 0: not known, the fastest so far counts
   };
   static constexpr double kStiffness = 100;  ///< N/mm: no device that has to hold it stands between hand and tool
   ForceHand(const CutPath& path, const CouplingSettings& coupling, const Options& options);
@@ -70,14 +70,14 @@ class ForceHand final : public VirtualHand {
 
   const CutPath& path_;
   Options options_;
-  double stiffness_;                  // N/mm
-  double lead_;                       // mm from tool to hand that pull with the force
-  Vec3d tip_;                         // of the tool, a tick ago
-  std::vector<double> length_;        // of the way up to each pose, mm
-  std::size_t stretch_ = 0;           // from this pose to the next
-  double at_ = 0, ahead_ = 0;         // mm of the way: the tool; where it is pulled to
-  Vec3d lean_ = Vec3d::Zero();        // mm: how far beside its line the hand stands to hold the tool
-  double advance_ = 0, removed_ = 0;  // means of a tick: mm along the way, mm^3
+  double stiffness_;                 // N/mm
+  double lead_;                      // mm from tool to hand that pull with the force
+  Vec3d tip_;                        // of the tool, a tick ago
+  std::vector<double> length_;       // of the way up to each pose, mm
+  std::size_t stretch_ = 0;          // from this pose to the next
+  double at_ = 0, ahead_ = 0;        // mm of the way: the tool; where it is pulled to
+  Vec3d lean_ = Vec3d::Zero();       // mm: how far beside its line the hand stands to hold the tool
+  double leaves_ = 0, removed_ = 0;  // means of a tick, mm^3
   Vec3d overlap_ = Vec3d::Zero(), film_ = Vec3d::Zero();  // mean; what is left across the way, mm, out of the tissue
   double watched_ = 0, waited_ = 0;                       // mm of the way, s
   double off_early_ = 0, off_late_ = 0;                   // mm beside it, at most, while waiting
