@@ -24,8 +24,9 @@ constexpr double kFront = 0.75;     // of the overlap: a stretch ends where this
 constexpr double kMean = 0.03;      // mm of the way: what the tool cuts and leaves is a mean over this
 constexpr double kQuick = 0.1;      // at most this part of a mean is new in a tick
 constexpr double kSlow = 0.005;     // and at least this
+constexpr double kNothing = 1e-8;   // mm^3 a tick: a tool that leaves less than this hardly moves, and does not skid
 constexpr double kFriction = 0.15;  // of a spinning tool: so much of a force may be drag, which presses on nothing
-constexpr double kSkids = 0.4;      // a tool that removes a smaller share of its way is pushed down instead of on
+constexpr double kSkids = 0.46;     // a tool that removes a smaller share of its way is pushed down instead of on
 
 constexpr double kNoWay = 1e-9;  // mm: shorter stretches are turns on the spot
 
@@ -139,9 +140,7 @@ bool ForceHand::next(const StepOutput& last, DeviceSample& sample) {
   last_speed_ = speed;
   has_come_up_ = has_come_up_ || !is_stalled_;
 
-  // A drive that is off leaves no film: nothing is cut.
-  const double share = path_.cuts[stretch_] ? feelFilm(last, along, moved) : 0;
-  if (!path_.cuts[stretch_]) film_.setZero();
+  const double share = feelFilm(last, along, moved);
   const Vec3d off = beside + film_;
   if (has_come_up_ || !is_coming_up) gave_up_ = !moves(turn > 0, off.norm());
   if (gave_up_) return false;
@@ -200,13 +199,19 @@ Vec3d ForceHand::overlapOf(const StepOutput& last) {
 }
 
 // A tool that is pushed overlaps with the tissue until that is eroded. Of the section in its way it removes a part; of
-// the overlap it leaves as much standing as of the section. That is the film. @return the share that it leaves.
+// the overlap it leaves as much standing as of the section. That is the film. A drive that is off leaves none.
+// @return the share that the tool leaves, 0 in air.
 double ForceHand::feelFilm(const StepOutput& last, const Vec3d& along, const Vec3d& moved) {
+  if (!path_.cuts[stretch_]) {
+    leaves_ = removed_ = 0;
+    overlap_ = film_ = Vec3d::Zero();
+    return 0;
+  }
   const double fresh = std::clamp(moved.norm() / kMean, kSlow, kQuick);
   leaves_ += fresh * (2 * along.dot(moved) * last.deepest * std::sqrt(last.area) - leaves_);
   removed_ += fresh * (last.removed_mm3 - removed_);
   overlap_ += fresh * (overlapOf(last) - overlap_);
-  const double share = leaves_ > 0 ? leaves_ / (leaves_ + std::max(0.0, removed_)) : 0;
+  const double share = leaves_ > 0 ? leaves_ / (leaves_ + std::max(0.0, removed_) + kNothing) : 0;
 
   // Across the tool's axis the drag of a spinning tool is a part of the force.
   film_ = across(share * overlap_, along);
@@ -214,7 +219,7 @@ double ForceHand::feelFilm(const StepOutput& last, const Vec3d& along, const Vec
   const Vec3d aside = across(film_, axis);
   const double pressure = aside.norm() - kFriction * share * overlap_.norm();
   film_ += (pressure > 0 ? pressure / aside.norm() - 1 : -1) * aside;
-  return share;
+  return last.touching > 0 ? share : 0;
 }
 
 // False: nothing has moved for `patience` seconds, neither along the way nor back to it. A tool that goes to and fro

@@ -95,7 +95,7 @@ TEST_F(CliPromises, ACutThatEndsBeforeItsPathSaysHowFarShort) {
                 "by = [1.5, 0, 0]\n");
   for (const std::string hand : {"feed", "force", "device"}) {
     std::vector<std::string> words{"cut", at("box.case"), "--tool", "round-014", "--path", at("short.toml"), "--hand"};
-    words.insert(words.end(), {hand, "--time-limit", "0.3", "-o", at(hand + ".run")});
+    words.insert(words.end(), {hand, "--time-limit", "0.6", "-o", at(hand + ".run")});
     const Outcome told = runKerf(words);
     EXPECT_EQ(told.exit_code, 0) << told.err;
     EXPECT_NE(told.out.find("mm short of the path's end"), told.out.npos) << told.out;

@@ -307,7 +307,7 @@ Pocket pocket(const char* tool_id, double energy, double depth, double push, dou
 TEST(VirtualHand, TheForceAskedForIsAppliedOnShortStrokesAndMoreOfItRemovesNoLess) {
   test::Slice slice(5);
   constexpr double kDentin = 1000, kEnamel = 4200;
-  for (const char* tool : {"us-330", "801-014", "856-016"})
+  for (const char* tool : {"us-330", "801-014", "801-018", "856-016"})
     for (const double energy : {kDentin, kEnamel})
       for (const double depth : {0.1, 0.2, 0.4}) {
         if (!slice.has()) continue;
@@ -322,8 +322,8 @@ TEST(VirtualHand, TheForceAskedForIsAppliedOnShortStrokesAndMoreOfItRemovesNoLes
           EXPECT_NEAR(p.left, 0, 1e-9) << where;
           if (p.least_speed < 0.1) continue;  // overloaded: the hand lets go, or is about to
           EXPECT_NEAR(p.force / push, 1, 0.1) << where;
-          EXPECT_GT(p.removed, most - 0.015) << where;
-          EXPECT_GT(p.share, 0.96) << where;
+          EXPECT_GT(p.removed, most - 0.02) << where;
+          EXPECT_GT(p.share, 0.95) << where;
           most = std::max(most, p.removed);
         }
       }
