@@ -13,15 +13,16 @@ namespace kerf {
 /// included). Its walls are the tool's own, so the rim on the source is crisp to some hundredths of a voxel.
 BrickField removedFieldFromSweep(const BrickField& phi0, const BrickField& sweep);
 
-/// For any cut: rho = max(-phi, phi0 + eps - phi, phi0 - 2h), eps = 0.1 h, in the bricks of phi that differ from phi0.
-/// Material cut by less than eps stays. The rim is good to some tenths of a voxel.
+/// For any cut: rho = max(-phi, phi0 - 2h) where phi differs from phi0, in its bricks and those beside the rim. Two
+/// nodes beyond the rim rho goes on in a straight line, then it is at least eps = 0.1 h. A part of the cut that is
+/// nowhere deeper than eps stays. A cut deeper than 0.4 voxels has its volume to 3 %.
 BrickField removedFieldFromCut(const BrickField& phi0, const BrickField& phi);
 
-/// What was added: the mirror image, rho = max(phi, phi - phi0 + eps, -phi0 - 2h), which reaches into the object.
+/// What was added: the mirror image, of -phi0 and -phi, which reaches into the object.
 BrickField addedFieldFromFill(const BrickField& phi0, const BrickField& phi);
 
 /// Takes away what is nearly 0 and nowhere negative: where material was both cut and added, each leaves such creases in
-/// the field of the other, and chord balance (marching_cubes.h) would make chips of them.
+/// the field of the other. They must not become chips.
 void clearAwayFromInside(BrickField& rho);
 
 struct RemovedSolid {
@@ -29,7 +30,7 @@ struct RemovedSolid {
   std::size_t parts_dropped = 0;  ///< parts below one voxel's volume, which would leave bubbles
   double dropped_volume_mm3 = 0;
 };
-/// Meshes {rho < 0} and drops its crumbs.
+/// Meshes {rho < 0} and drops its crumbs. @pre rho is balanced against chords (marching_cubes.h), as all of these are.
 RemovedSolid meshRemovedSolid(const BrickField& rho);
 
 }  // namespace kerf

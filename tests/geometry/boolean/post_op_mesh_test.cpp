@@ -10,6 +10,7 @@
 #include "geometry/mesh/crossing_pairs.h"
 #include "tests/geometry/ball_mesh.h"
 #include "tests/geometry/sampled_field.h"
+#include "tests/support/open_block.h"
 
 namespace kerf::post_op_mesh_test {
 namespace {
@@ -78,6 +79,79 @@ TEST(PostOpMesh, AnyCutsFieldGivesTheSameVolumeToAPercent) {
              by_cut = postOperativeMesh(c.source, removedFieldFromCut(phi0, phi));
   ASSERT_TRUE(by_sweep && by_cut);
   EXPECT_NEAR(by_cut->report.removed_volume_mm3 / by_sweep->report.removed_volume_mm3, 1.0, 0.03);
+}
+
+// A block askew to the grid, and a ball that goes along its top.
+struct BallAlongABlock {
+  static constexpr double kLong = 1.5;
+  double h, radius;
+  Mesh source;
+  BrickField phi0, ball;
+
+  // @param height  of the ball's middle above the top.   @param up  of the top above a layer of nodes.
+  BallAlongABlock(double voxel, double ball_radius, double height, double tilt, double up)
+      : h(voxel), radius(ball_radius) {
+    const Vec3d size(4, 3, 1.5), half = 0.5 * size, middle(0, 0, -half[2]);
+    const Rigid3 pose{Eigen::Quaterniond(Eigen::AngleAxisd(tilt, Vec3d(0.4, 0.8, 0.45).normalized())),
+                      Vec3d(0.013, 0.027, up)};
+    const Rigid3 back = pose.inverse();
+    source = test::blockMesh(true, size);
+    for (Vec3d& v : source.vertices) v = roundedToFloat(Vec3d(pose * v));
+    phi0 = sampled(h, bounds(source), [&](const Vec3d& at) {
+      const Vec3d q = (back * at - middle).cwiseAbs() - half;
+      return q.cwiseMax(0).norm() + std::min(q.maxCoeff(), 0.0);
+    });
+    ball = sampled(h, bounds(source), [&](const Vec3d& at) {
+      const Vec3d p = back * at;
+      return (p - Vec3d(std::clamp(p[0], -0.5 * kLong, 0.5 * kLong), 0, height)).norm() - radius;
+    });
+  }
+
+  BrickField united(float sign) const {  // -1: the block less the ball
+    BrickField out = phi0;
+    for (std::size_t b = 0; b < out.brickCount(); ++b)
+      for (std::size_t n = 0; n < kBrickNodes; ++n)
+        out.brick(b)[n] = sign * std::min(sign * phi0.brick(b)[n], ball.brick(b)[n]);
+    return out;
+  }
+
+  // Of the ball's way, the part beyond a plane at that distance from its middle.
+  double volumeBeyond(double distance) const {
+    const double cap = radius - distance, angle = std::acos(distance / radius);
+    return std::numbers::pi * cap * cap * (3 * radius - cap) / 3 +
+           kLong * (radius * radius * angle - distance * std::sqrt(radius * radius - distance * distance));
+  }
+};
+
+// Before and after a cut that is less deep than a voxel the surface lies between the same nodes.
+TEST(PostOpMesh, AShallowCutHasItsVolume) {
+  constexpr double kRadiusOfBall = 0.5;
+  for (const double h : {0.05, 0.1})
+    for (const double depth : {0.04, 0.1})
+      for (const double tilt : {0.0, 0.35})
+        for (const double up : {0.011, 0.047, 0.091}) {
+          const BallAlongABlock c(h, kRadiusOfBall, kRadiusOfBall - depth, tilt, up);
+          const double wanted = c.volumeBeyond(kRadiusOfBall - depth);
+          const auto by_cut = postOperativeMesh(c.source, removedFieldFromCut(c.phi0, c.united(-1)));
+          const auto by_sweep = postOperativeMesh(c.source, removedFieldFromSweep(c.phi0, c.ball));
+          ASSERT_TRUE(by_cut && by_sweep);
+          EXPECT_NEAR(by_cut->report.removed_volume_mm3 / wanted, 1, 0.03) << h << " " << depth << " " << tilt << up;
+          EXPECT_NEAR(by_sweep->report.removed_volume_mm3 / wanted, 1, 0.03) << h << " " << depth << " " << tilt << up;
+        }
+}
+
+TEST(PostOpMesh, AThinLayerThatIsAddedHasItsVolume) {
+  constexpr double kRadiusOfBall = 0.5;
+  for (const double thick : {0.04, 0.1})
+    for (const double tilt : {0.0, 0.35})
+      for (const double up : {0.011, 0.047, 0.091}) {
+        const BallAlongABlock c(0.1, kRadiusOfBall, thick - kRadiusOfBall, tilt, up);
+        const BrickField nothing(c.h, static_cast<float>(4 * c.h)), added = addedFieldFromFill(c.phi0, c.united(1));
+        const auto out = postOperativeMesh(c.source, nothing, {}, {}, &added);
+        ASSERT_TRUE(out) << out.error().message();
+        EXPECT_NEAR(out->report.added_volume_mm3 / c.volumeBeyond(kRadiusOfBall - thick), 1, 0.03)
+            << thick << " " << tilt << " " << up;
+      }
 }
 
 TEST(PostOpMesh, WhatACutLeavesOfASmallObjectIsNoCrumb) {
