@@ -178,19 +178,10 @@ void SurfaceNodes::set(int at, int node, const BrickNeighborhood& bricks) noexce
   for (std::size_t k = 0; k < 6; ++k) beside[k][at] = from[neighbours[k] >> 9][neighbours[k] & 511];
 }
 
-// An outside node's part is of its deepest neighbour's material.
+// A node's own, outside too: were it a neighbour's, a cut that takes the neighbour away would move a part of the node's
+// volume from one tissue to another.
 void SurfaceNodes::label(int at, int node, const MaterialNeighborhood& materials) noexcept {
   material[at] = materials.self[node];
-  float deepest = 0;
-  if (value[at] < 0) return;
-  for (std::size_t k = 0; k < 6; ++k) {
-    if (beside[k][at] >= deepest) continue;
-    const std::uint16_t neighbour = kNeighbours[static_cast<std::size_t>(node)][k];
-    const std::uint8_t* const from = neighbour < 512 ? materials.self : materials.face[(neighbour >> 9) - 1];
-    if (!from) continue;
-    deepest = beside[k][at];
-    material[at] = from[neighbour & 511];
-  }
 }
 
 void SurfaceNodes::measure(int count, float band) noexcept {

@@ -51,9 +51,9 @@ inline double addParts(double volume, std::int64_t parts, double part) {
   return part * static_cast<double>(std::llround(volume / part) + parts);
 }
 
-/// Adds the volumes of a brick's nodes. An outside node's part is of the material of its deepest neighbour: it is what
-/// that one has beyond the middle of the edge.   @param band  mm: values count as no farther than this, that of air
-/// without a brick, which so has no volume beside what is deep. @rt safe. @cost 0.3 us, 2 us where the surface passes.
+/// Adds the volumes of a brick's nodes, each to the material of the node, outside too: so no material grows when values
+/// do. Baking labels the nodes on both sides of the surface.   @param band  mm: values count as no farther than this,
+/// that of air without a brick, which so has no volume beside what is deep. @rt safe. @cost 0.3 us, at a surface 2 us.
 void addVolumes(const BrickNeighborhood& bricks, const MaterialNeighborhood& materials, float band,
                 PartsByNumber& sum) noexcept;
 

@@ -51,6 +51,34 @@ TEST(NodeVolumes, AWallAlongTheGridIsAsThickAsItIsWhateverTheScaleOfItsField) {
       }
 }
 
+// Tissues that meet askew, and a cut that goes deeper and deeper through both.
+TEST(NodeVolumes, ACutGivesNoTissueMore) {
+  const Vec3f top = Vec3f(0.3f, -0.2f, 1).normalized(), border = Vec3f(-0.4f, 0.25f, 1).normalized();
+  static constexpr float kVoxel = 0.1f, kBand = 0.4f;
+  std::array<std::uint8_t, kBrickNodes> numbers;
+  const auto nodeAt = [](std::size_t n) {
+    return Vec3f(kVoxel * Vec3f(static_cast<float>(n >> 6), static_cast<float>(n >> 3 & 7), static_cast<float>(n & 7)));
+  };
+  for (std::size_t n = 0; n < kBrickNodes; ++n) numbers[n] = border.dot(nodeAt(n)) < 0.35f ? 2 : 1;
+  const std::uint8_t* const all = numbers.data();
+
+  BrickValues air;
+  air.fill(kBand);
+  PartsByNumber before{};
+  for (float height = 0.75f; height > -0.3f; height -= 0.003f) {
+    BrickValues values;
+    for (std::size_t n = 0; n < kBrickNodes; ++n) values[n] = std::clamp(top.dot(nodeAt(n)) - height, -kBand, kBand);
+    const float *const here = values.data(), *const out = air.data();
+    PartsByNumber parts{};
+    addVolumes({here, {here, here, here, here, here, out}}, {all, {all, all, all, all, all, all}, false}, kBand, parts);
+    for (const std::size_t tissue : {1u, 2u})
+      if (height < 0.75f) {
+        EXPECT_LE(parts[tissue], before[tissue]) << tissue << " at " << height;
+      }
+    before = parts;
+  }
+}
+
 TEST(NodeVolumes, AWholeCellCountsForTheMaterialOfItsNode) {
   BrickValues inside;
   inside.fill(-1);
