@@ -17,6 +17,7 @@
 #include "sim/run/removed_volumes.h"
 #include "sim/run/run_output.h"
 #include "sim/run/session_pieces.h"
+#include "sim/run/small_cut.h"
 #include "sim/run/sweep_cutter.h"
 #include "sim/run/tool_resolution.h"
 #include "sim/session/session.h"
@@ -293,6 +294,7 @@ HapticSummary summarise(const Session& session, const CutScene& scene, const Sim
     }
   }
   out.removed_mm3 = simulated.removed_mm3;
+  out.removed_uncertainty_mm3 = volumeUncertainty(scene.object().voxel());
   out.added_mm3 = simulated.added_mm3;
   out.removed_by_material = internal::byMaterial(removed, scene.materials);
   out.added_by_material = internal::byMaterial(added, scene.materials);

@@ -35,6 +35,7 @@ std::string toJson(const HapticSummary& s) {
                    {"short_of_end_mm", s.short_of_end_mm},
                    {"initial_mm3", s.initial_mm3},
                    {"removed_mm3", s.removed_mm3},
+                   {"removed_uncertainty_mm3", s.removed_uncertainty_mm3},
                    {"added_mm3", s.added_mm3},
                    {"planned_mm3", s.planned_mm3},
                    {"reached_mm3", s.reached_mm3},

@@ -110,6 +110,26 @@ TEST_F(CliPromises, ACutThatEndsBeforeItsPathSaysHowFarShort) {
   EXPECT_NE(done.out.find("ended: end of the path\n"), done.out.npos) << done.out << done.err;
 }
 
+// A ball of 0.7 mm, 0.05 mm deep.
+TEST_F(CliPromises, ACutOfFewVoxelsIsWarnedOf) {
+  makeCase();
+  folder_.write("shallow.toml",
+                "format = \"kerf-path\"\nversion = 1\nframe = \"object\"\nfeed = 1.0\n[start]\nposition = [-0.5, 0.3, "
+                "1]\naxis = [0, 0, 1]\n[[stroke]]\nkind = \"line\"\nby = [0, 0, -1.05]\n[[stroke]]\nkind = "
+                "\"line\"\nby = [1, 0, 0]\n");
+  for (const std::vector<std::string>& hand : {std::vector<std::string>{}, {"--hand", "feed"}}) {
+    std::vector<std::string> words{"cut", at("box.case"),  "--tool",     "round-014", "--path", at("shallow.toml"),
+                                   "-o",  at("small.run"), "--overwrite"};
+    words.insert(words.end(), hand.begin(), hand.end());
+    warns(words, {"WARNING", "voxels of", "volume is known to", "smaller voxels"});
+    EXPECT_NE(runKerf({"info", at("small.run")}).out.find("volume is known to"), std::string::npos);
+    warns({"export", at("small.run"), "-o", at("small.stl"), "--overwrite"}, {"WARNING", "volume is known to"});
+  }
+  std::ifstream file(in("small.run/summary.json"));
+  const double voxel = json::parse(runKerf({"info", at("small.run"), "--json"}).out)["voxel_mm"];
+  EXPECT_DOUBLE_EQ(json::parse(file)["removed_uncertainty_mm3"].get<double>(), 0.5 * std::pow(voxel, 3));
+}
+
 // The second stroke stays above the box; the third goes through its floor, 4 mm below.
 TEST_F(CliPromises, AStrokeForNothingAndATipThatComesOutBehindAreTold) {
   makeCase();

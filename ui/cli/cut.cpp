@@ -14,6 +14,7 @@
 #include "sim/object/baked_object.h"
 #include "sim/run/geometry_cut.h"
 #include "sim/run/haptic_cut.h"
+#include "sim/run/small_cut.h"
 #include "sim/run/tool_resolution.h"
 #include "sim/step/response.h"
 #include "ui/cli/command.h"
@@ -265,6 +266,11 @@ void warnOfFeed(const CutArguments& a, const HapticSummary& s) {
 
 constexpr double kUnchanged = 1e-6;  // mm^3
 
+void warnOfSmallCut(double removed_mm3, double voxel_mm) {
+  if (removed_mm3 < kUnchanged) return;
+  if (const auto small = smallCut(removed_mm3, voxel_mm)) printText(stderr, "kerf: WARNING: {}\n", *small);
+}
+
 // What the author of the path hardly meant.
 void tell(const PathFindings& found, bool is_adding) {
   if (!found.idle.empty()) {
@@ -300,6 +306,7 @@ int runByHand(const CutArguments& a, const std::filesystem::path& tool) {
   tell(warningsOf(cut->manifest));
   warnOfNeighbours(a, cut->summary);
   warnOfTool(a, tool, cut->manifest.voxel_mm, cut->summary.removed_mm3 + cut->summary.added_mm3 < kUnchanged);
+  warnOfSmallCut(cut->summary.removed_mm3, cut->manifest.voxel_mm);
   tell(cut->summary.findings, !a.haptic.add.empty());
   warnOfResponse(a, tool);
   warnOfFeed(a, cut->summary);
@@ -373,6 +380,7 @@ int runGeometry(const CutArguments& a, const std::filesystem::path& tool) {
   const bool all_idle = m->findings.idle.size() == m->findings.strokes;
   warnOfTool(a, tool, m->voxel_mm, removed < kUnchanged && all_idle);
   tell(m->findings, false);
+  warnOfSmallCut(removed, m->voxel_mm);
   const auto& out_at = m->findings.comes_out_at;
   if (a.json)
     printJson(nlohmann::json{

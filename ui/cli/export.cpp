@@ -15,6 +15,7 @@
 #include "sim/run/run_files.h"
 #include "sim/run/run_manifest.h"
 #include "sim/run/run_report.h"
+#include "sim/run/small_cut.h"
 #include "ui/cli/command.h"
 
 namespace kerf::cli {
@@ -95,20 +96,28 @@ Expected<void> warnOfExportNeighbours(const std::string& bundle) {
 // The step counts by shares of voxels, the mesh has a surface: where these say two things, one of them is wrong. Of a
 // run whose numbers cannot be read `kerf info` says so. Crumbs that were dropped were not cut.
 void warnOfLedger(const std::string& bundle, const PostOpReport& mesh) {
-  constexpr double kMostApart = 0.02, kWorthSaying = 0.02;  // of the volume; mm^3
+  constexpr double kMostApart = 0.02;  // of the volume
   const auto manifest = readRunManifest(bundle);
   if (!manifest || manifest->mode != kModeHaptic || !manifest->begin_sha256.empty()) return;
   const auto report = readRunSummary(bundle);
   if (!report || report->added_mm3.value_or(0) > 0) return;
   const double in_mesh_mm3 = mesh.removed_volume_mm3 - mesh.crumbs_volume_mm3;
   const double counted_mm3 = report->removed_mm3.value_or(0), apart = in_mesh_mm3 - counted_mm3;
-  if (counted_mm3 > 0 && std::abs(apart) > std::max(kWorthSaying, kMostApart * counted_mm3))
+  const double of_grid_mm3 = 2 * volumeUncertainty(manifest->voxel_mm);  // of the mesh as of what was counted
+  if (counted_mm3 > 0 && std::abs(apart) > std::max(of_grid_mm3, kMostApart * counted_mm3))
     printText(
         stderr,
         "kerf: WARNING: while it was cut {:.4f} mm3 were counted, the mesh lacks {:.4f} ({:+.0f} %): what cuts of "
         "{} is too thin for voxels of {:g} mm, or was fed through what it did not cut. Bake finer, or feed "
         "slower\n",
         counted_mm3, in_mesh_mm3, 100 * apart / counted_mm3, manifest->tool_id, manifest->voxel_mm);
+}
+
+void warnOfSmallCut(const std::string& bundle, const PostOpReport& mesh) {
+  const auto manifest = readRunManifest(bundle);
+  if (!manifest || mesh.added_volume_mm3 > 0) return;
+  if (const auto small = smallCut(mesh.removed_volume_mm3, manifest->voxel_mm))
+    printText(stderr, "kerf: WARNING: {}\n", *small);
 }
 
 nlohmann::json piecesOf(const Export& result) {
@@ -253,6 +262,7 @@ int runExport(const ExportArguments& given) {
   if (a.beside == 0 && isRun(a.bundle))
     if (const auto warned = warnOfExportNeighbours(a.bundle); !warned) return complain(warned.error());
   if (a.beside == 0 && isRun(a.bundle)) warnOfLedger(a.bundle, result->post_op.report);
+  if (a.beside == 0 && isRun(a.bundle)) warnOfSmallCut(a.bundle, result->post_op.report);
   if (a.json)
     printJson(exportJson(*outputs, *result));
   else

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "sim/run/small_cut.h"
 #include "ui/cli/command.h"
 
 namespace kerf::cli {
@@ -100,6 +101,7 @@ void printRunVolumes(const RunReport& r, std::string& out) {
     out +=
         fmt::format(", {} of the {:.1f} mm3 that were loaded", percent(*r.removed_mm3 / *r.loaded_mm3), *r.loaded_mm3);
   out += "\n";
+  if (const auto small = smallCut(*r.removed_mm3, r.manifest.voxel_mm)) out += fmt::format("  {}\n", *small);
   if (!r.manifest.begin_sha256.empty())
     out += r.manifest.mode == kModeSession
                ? "  since the case, what was cut before this session too; force, time and strokes are of this session\n"
