@@ -130,6 +130,7 @@ class RemovedByField {
             rho_.brick(at.brick)[at.node] = value;
           });
     balanceChords(rho_, beside, [&](const Place& at) { return ringOf(at) != kNone; });
+    keepOffSource();
     cap(rho_, [&](const Place& at) { return before(at); });
     return std::move(rho_);
   }
@@ -142,6 +143,19 @@ class RemovedByField {
     float constant;
     std::array<std::uint8_t, kBrickNodes> ring;  // 0: cut deeper than eps; n: n nodes away from that; kNone: farther
   };
+
+  // Where nothing was cut the surface of rho keeps off that of phi0, in creases of the source too.
+  void keepOffSource() {
+    tbb::parallel_for(std::size_t{0}, bricks_.size(), [&](std::size_t b) {
+      for (std::size_t n = 0; n < kBrickNodes; ++n) {
+        const Place at{b, n};
+        const std::uint8_t ring = ringOf(at);
+        if (ring == 0 || ring == kNone || after(at) > before(at)) continue;
+        float& value = rho_.brick(b)[n];
+        value = std::max(value, eps() - before(at));
+      }
+    });
+  }
 
   float eps() const { return 0.1f * h_; }
   float before(const Place& at) const {

@@ -112,7 +112,7 @@ bool ForceHand::next(const StepOutput& last, DeviceSample& sample) {
   Vec3d along = Vec3d::Zero(), beside = Vec3d::Zero();
   double whole = 0, done = 0, turn = 0, left = 0;
   for (;; ++stretch_, turned_ = 0) {
-    if (stretch_ + 1 >= path_.poses.size()) return settle(sample);
+    if (stretch_ + 1 >= path_.poses.size()) return settle(last, sample);
     whole = length_[stretch_ + 1] - length_[stretch_];
     beside = tip_ - pose(stretch_).translation;
     const bool is_turn = whole < kNoWay;
@@ -138,7 +138,7 @@ bool ForceHand::next(const StepOutput& last, DeviceSample& sample) {
   is_stalled_ = path_.cuts[stretch_] && speed < (is_stalled_ ? kRecovered : kStalled) * fastest_;
   const bool is_coming_up = is_stalled_ && speed > last_speed_;
   last_speed_ = speed;
-  has_come_up_ = has_come_up_ || !is_stalled_;
+  has_come_up_ = path_.cuts[stretch_] && (has_come_up_ || !is_stalled_);
 
   const double share = feelFilm(last, along, moved);
   const Vec3d off = beside + film_;
@@ -159,9 +159,11 @@ bool ForceHand::next(const StepOutput& last, DeviceSample& sample) {
   if (pushes) {
     const double rest = std::sqrt(std::max(0.0, most * most - hold.squaredNorm()));
     const double moves_on = std::clamp(along.dot(moved), 0.0, options_.feed_limit * kTick);
-    forward = std::clamp((1 - share) / kSkids, 0.0, 1.0) * (rest + moves_on);
+    const Vec3d under = across(overlap_, along);
+    const double skids = std::max(0.0, 1 - (1 - share) / kSkids) * under.norm() / std::max(overlap_.norm(), kNoWay);
+    forward = (1 - skids) * (rest + moves_on);
     const double pull = forward - moves_on;
-    const Vec3d press = -std::sqrt(std::max(0.0, rest * rest - pull * pull)) * across(overlap_, along).normalized();
+    const Vec3d press = -std::sqrt(std::max(0.0, rest * rest - pull * pull)) * under.normalized();
     hold = shortened(hold + press, std::sqrt(std::max(0.0, most * most - pull * pull)));
   }
   if (is_stalled_) forward = last.touching > 0 ? -most : 0;
@@ -178,16 +180,18 @@ bool ForceHand::next(const StepOutput& last, DeviceSample& sample) {
 }
 
 // The path is done: the tool comes back from the tissue that it was pushed into, to where the path ends.
-bool ForceHand::settle(DeviceSample& sample) {
+bool ForceHand::settle(const StepOutput& last, DeviceSample& sample) {
   at_ = length_.back();
   const Rigid3& end = path_.poses.back().T_object_tool;
   const Vec3d off = tip_ - end.translation;
   if (off.norm() <= kArrived) return false;
-  gave_up_ = !moves(false, off.norm());
-  if (gave_up_) return false;
+  const bool comes_nearer = moves(false, off.norm());
+  gave_up_ = !comes_nearer && off.norm() > kOnLine;
+  if (!comes_nearer) return false;
 
+  const double most = std::max(lead_, last.touching > 0 ? 0 : kUnheld / stiffness_);
   sample.T_world_device = end;
-  sample.T_world_device.translation = tip_ - shortened(off, std::max(lead_, kUnheld / stiffness_));
+  sample.T_world_device.translation = tip_ - shortened(off, std::min(most, options_.feed_limit * kTick));
   sample.pedal = path_.cuts.back() ? 1 : 0;
   return true;
 }

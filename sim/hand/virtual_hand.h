@@ -65,7 +65,7 @@ class ForceHand final : public VirtualHand {
  private:
   static Vec3d overlapOf(const StepOutput& last);
   double feelFilm(const StepOutput& last, const Vec3d& along, const Vec3d& moved);
-  bool settle(DeviceSample& sample);
+  bool settle(const StepOutput& last, DeviceSample& sample);
   bool moves(bool is_turning, double off);
 
   const CutPath& path_;

@@ -13,7 +13,7 @@ namespace kerf {
 /// The virtual hand: see sim/hand/virtual_hand.h.
 enum class HandKind {
   kFeed,   ///< follows the path in its time, whatever the force
-  kForce,  ///< pushes along the path with constant force
+  kForce,  ///< pushes the tool along the path with constant force
   kDevice  ///< a simulated force-feedback device whose hand follows the path
 };
 

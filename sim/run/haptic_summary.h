@@ -26,7 +26,7 @@ struct HapticSummary {
   std::string coupling_text;   ///< of a device: the same in words, and why it is no stiffer
 
   double removed_mm3 = 0, remaining_mm3 = 0, initial_mm3 = 0;
-  double removed_uncertainty_mm3 = 0;                 ///< of removed_mm3 at least: volumeUncertainty()
+  double removed_uncertainty_mm3 = 0;                 ///< least uncertainty of removed_mm3: volumeUncertainty()
   std::map<std::string, double> initial_by_material;  ///< by id
   double added_mm3 = 0;
   /// What the path asks for: the tool swept along it without resistance, on the same voxels. 0 when material is added.

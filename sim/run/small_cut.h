@@ -15,13 +15,12 @@ inline double volumeUncertainty(double voxel_mm) { return 0.5 * voxel_mm * voxel
 
 /// A warning without its full stop if the uncertainty exceeds 3 % of the removed volume.
 inline std::optional<std::string> smallCut(double removed_mm3, double voxel_mm) {
-  constexpr double kMost = 0.03;
+  constexpr double kMost = 0.03, kLeast = 1e-6;  // mm^3: below this nothing was cut
   const double uncertainty = volumeUncertainty(voxel_mm);
-  if (!(removed_mm3 > 0) || uncertainty <= kMost * removed_mm3) return {};
+  if (!(removed_mm3 > kLeast) || uncertainty <= kMost * removed_mm3) return {};
   return fmt::format(
-      "the cut is only {:.0f} voxels of {:g} mm: its volume is known to {:.4f} mm3 ({:.0f} %). Bake with smaller "
-      "voxels "
-      "for a more exact volume",
+      "the cut is only {:.2g} voxels of {:g} mm: its volume is known to {:.2g} mm3 ({:.0f} %). Smaller voxels give a "
+      "more exact volume",
       removed_mm3 / (2 * uncertainty), voxel_mm, uncertainty, 100 * uncertainty / removed_mm3);
 }
 

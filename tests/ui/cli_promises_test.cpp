@@ -121,7 +121,7 @@ TEST_F(CliPromises, ACutOfFewVoxelsIsWarnedOf) {
     std::vector<std::string> words{"cut", at("box.case"),  "--tool",     "round-014", "--path", at("shallow.toml"),
                                    "-o",  at("small.run"), "--overwrite"};
     words.insert(words.end(), hand.begin(), hand.end());
-    warns(words, {"WARNING", "voxels of", "volume is known to", "smaller voxels"});
+    warns(words, {"WARNING", "voxels of", "volume is known to", "Smaller voxels"});
     EXPECT_NE(runKerf({"info", at("small.run")}).out.find("volume is known to"), std::string::npos);
     warns({"export", at("small.run"), "-o", at("small.stl"), "--overwrite"}, {"WARNING", "volume is known to"});
   }

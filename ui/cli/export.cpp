@@ -116,7 +116,10 @@ void warnOfLedger(const std::string& bundle, const PostOpReport& mesh) {
 void warnOfSmallCut(const std::string& bundle, const PostOpReport& mesh) {
   const auto manifest = readRunManifest(bundle);
   if (!manifest || mesh.added_volume_mm3 > 0) return;
-  if (const auto small = smallCut(mesh.removed_volume_mm3, manifest->voxel_mm))
+  // The mesh lacks parts below a voxel.
+  const auto report = readRunSummary(bundle);
+  const double counted = report ? report->removed_mm3.value_or(0) : 0;
+  if (const auto small = smallCut(counted > 0 ? counted : mesh.removed_volume_mm3, manifest->voxel_mm))
     printText(stderr, "kerf: WARNING: {}\n", *small);
 }
 
