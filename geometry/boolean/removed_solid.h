@@ -18,7 +18,7 @@ BrickField removedFieldFromSweep(const BrickField& phi0, const BrickField& sweep
 /// nowhere deeper than eps stays. A cut deeper than 0.4 voxels has its volume to 3 %.
 BrickField removedFieldFromCut(const BrickField& phi0, const BrickField& phi);
 
-/// What was added: the mirror image, of -phi0 and -phi, which reaches into the object.
+/// The added field: the mirror image, from -phi0 and -phi. It reaches into the object.
 BrickField addedFieldFromFill(const BrickField& phi0, const BrickField& phi);
 
 /// Takes away what is nearly 0 and nowhere negative: where material was both cut and added, each leaves such creases in

@@ -41,11 +41,12 @@ class FeedHand final : public VirtualHand {
 };
 
 /// Constant force: pulls the tool with `force`, sideways with as much of it as holds the tool on its line, and along
-/// the path with the rest, no faster than `feed_limit`. A tool that is pushed overlaps with the tissue until that is
-/// eroded: the hand goes by where the tool has cut, so that a hard push leaves no film. It waits for a tool off its
-/// line. Turns on the spot take their time. It waits for the drive to come up to half of its speed, and lets go when it
-/// stalls. What of a path cannot be cut is left, not cut elsewhere. For Rendering::kCoupled with a coupling of
-/// kStiffness: a softer one lets the tool off its line. Gives up when nothing has moved for `patience` seconds.
+/// the path with the rest, no faster than `feed_limit`. A pushed tool overlaps with the tissue until that is eroded,
+/// and leaves a film when it moves on. The hand leads it deeper by an estimate of that film. It waits for a tool off
+/// its line. Turns on the spot take their time. It waits for the drive to come up to half of its speed, and lets go
+/// when it stalls. Parts of a path that cannot be cut are left, not cut elsewhere. For Rendering::kCoupled with a
+/// coupling of kStiffness: a softer one lets the tool off its line. Gives up when nothing has moved for `patience`
+/// seconds.
 class ForceHand final : public VirtualHand {
  public:
   struct Options {
@@ -78,11 +79,12 @@ class ForceHand final : public VirtualHand {
   double at_ = 0, ahead_ = 0;        // mm of the way: the tool; where it is pulled to
   Vec3d lean_ = Vec3d::Zero();       // mm: how far beside its line the hand stands to hold the tool
   double leaves_ = 0, removed_ = 0;  // means of a tick, mm^3
-  Vec3d overlap_ = Vec3d::Zero(), film_ = Vec3d::Zero();  // mean; what is left across the way, mm, out of the tissue
-  double watched_ = 0, waited_ = 0;                       // mm of the way, s
-  double off_early_ = 0, off_late_ = 0;                   // mm beside it, at most, while waiting
-  double turned_ = 0;                                     // rad of a turn on the spot
-  double fastest_ = 0, last_speed_ = 0;                   // StepOutput::speed
+  Vec3d overlap_ = Vec3d::Zero(),
+        film_ = Vec3d::Zero();           // mm, out of the tissue: the mean overlap; the film across the way
+  double watched_ = 0, waited_ = 0;      // mm of the way, s
+  double off_early_ = 0, off_late_ = 0;  // mm beside it, at most, while waiting
+  double turned_ = 0;                    // rad of a turn on the spot
+  double fastest_ = 0, last_speed_ = 0;  // StepOutput::speed
   bool has_begun_ = false, gave_up_ = false, is_stalled_ = false, has_come_up_ = false;
 };
 

@@ -44,7 +44,7 @@ constexpr Range kTime{0, 1e9, "s"};
 constexpr Range kTimeOrNever{-1, 1e9, "s"};  // -1: never, as older versions wrote
 constexpr Range kCount{0, 1e12, "parts"};
 
-// What was removed of all tissues, or of one. Where material was added, a node's share of its cell goes over to that;
+// The removed volume of all tissues, or of one. Where material was added, a node's share of its cell goes over to that;
 // older versions also moved it where tissues meet. So of one tissue it may be a little less than nothing.
 Range removedRange(double removed_mm3) {
   constexpr double kSubVoxel = 0.1, kOfAll = 0.1;  // mm^3; of all that was removed

@@ -267,7 +267,6 @@ void warnOfFeed(const CutArguments& a, const HapticSummary& s) {
 constexpr double kUnchanged = 1e-6;  // mm^3
 
 void warnOfSmallCut(double removed_mm3, double voxel_mm) {
-  if (removed_mm3 < kUnchanged) return;
   if (const auto small = smallCut(removed_mm3, voxel_mm)) printText(stderr, "kerf: WARNING: {}\n", *small);
 }
 

@@ -103,7 +103,8 @@ void warnOfLedger(const std::string& bundle, const PostOpReport& mesh) {
   if (!report || report->added_mm3.value_or(0) > 0) return;
   const double in_mesh_mm3 = mesh.removed_volume_mm3 - mesh.crumbs_volume_mm3;
   const double counted_mm3 = report->removed_mm3.value_or(0), apart = in_mesh_mm3 - counted_mm3;
-  const double of_grid_mm3 = 2 * volumeUncertainty(manifest->voxel_mm);  // of the mesh as of what was counted
+  const double of_grid_mm3 =
+      2 * volumeUncertainty(manifest->voxel_mm);  // half a voxel each of the mesh and of the ledger
   if (counted_mm3 > 0 && std::abs(apart) > std::max(of_grid_mm3, kMostApart * counted_mm3))
     printText(
         stderr,
