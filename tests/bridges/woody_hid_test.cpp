@@ -24,7 +24,7 @@ class WoodyHid : public OnTestbed {
     else
       bed_->plugIn(woody_);
     encoders_.emplace(*bed_, 0, counts, size_);
-    talk([this] { return encoders_->report(); });
+    talk([this](std::uint32_t) { return encoders_->report(); });
     kerf_ = openKerf();
     bridge_ = std::make_unique<Program>(std::vector<std::string>{KERF_BIN_DIR "/kerf-bridge-woody", HidTestbed::path(0),
                                                                  std::to_string(kerf_->port())});

@@ -130,11 +130,12 @@ class OnTestbed : public testing::Test {
     return static_cast<int>(std::count_if(all.begin() + static_cast<std::ptrdiff_t>(before), all.end(), gives));
   }
   static constexpr int kDeadMan = 25;  ///< reports: 20 ms, and what was on its way
-  // Its firmware: a report each millisecond.
-  void talk(const std::function<Bytes()>& report) {
+  // Its firmware: a report each millisecond, of its number from 1 on. It runs until TearDown, past the end of the
+  // test's own variables: what `report` captures is its own, or the fixture's.
+  void talk(const std::function<Bytes(std::uint32_t)>& report) {
     firmware_ = std::thread([this, report] {
-      while (!is_off_) {
-        if (!is_silent_) bed_->stream(0, report());
+      for (std::uint32_t number = 1; !is_off_;) {
+        if (!is_silent_) bed_->stream(0, report(number++));
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
       }
     });

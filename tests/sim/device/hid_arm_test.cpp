@@ -97,10 +97,9 @@ TEST_F(HidArms, AreFoundByPathAndSerialNeverByPlace) {
 
 TEST_F(HidArms, OurOwnProfileClosesTheLoopAndGivesNoForceWithoutNews) {
   bed_->plugIn(raw_);
-  std::atomic<std::uint32_t> number{0};
-  talk([&] {
+  talk([](std::uint32_t number) {
     HandFrame hand;
-    hand.number = ++number;
+    hand.number = number;
     hand.pose.translation = {5, 0, 0};
     const RawArmReport report = encodeRawHand(hand);
     return Bytes(report.begin(), report.end());
@@ -142,10 +141,9 @@ TEST_F(HidArms, OurOwnProfileClosesTheLoopAndGivesNoForceWithoutNews) {
 // The report under way is given its deadline by the arm; what follows is news, and fades in.
 TEST_F(HidArms, AWriteThatIsStuckIsFollowedByNoOldForce) {
   bed_->plugIn(raw_);
-  std::atomic<std::uint32_t> number{0};
-  talk([&] {
+  talk([](std::uint32_t number) {
     HandFrame hand;
-    hand.number = ++number;
+    hand.number = number;
     const RawArmReport report = encodeRawHand(hand);
     return Bytes(report.begin(), report.end());
   });

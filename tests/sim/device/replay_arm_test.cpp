@@ -114,10 +114,9 @@ CutPath aWay() {
 
 TEST_F(ReplayedArms, OurOwnProfile) {
   bed_->plugIn(raw_);
-  std::atomic<std::uint32_t> number{0};
-  talk([&] {
+  talk([](std::uint32_t number) {
     HandFrame hand;
-    hand.number = ++number;
+    hand.number = number;
     hand.pose.translation = {0.1 * static_cast<double>(number % 7), 1.0 / 3, -2};
     const RawArmReport report = encodeRawHand(hand);
     return Bytes(report.begin(), report.end());
