@@ -9,15 +9,18 @@
 
 namespace kerf {
 
-/// With the characters that XML keeps for itself as entities, without control characters, and '?' for bytes that are no
-/// UTF-8.
+/// With the characters that XML keeps for itself as entities, without control characters, and '?' for what XML forbids:
+/// bytes that are no UTF-8, U+FFFE and U+FFFF.
 inline std::string xmlText(std::string_view text) {
   std::string out;
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t length = utf8Length(text, at);
     const char c = text[at];
-    if (length > 1)
-      out += text.substr(at, length);
+    const std::string_view whole = text.substr(at, length);
+    if (whole == "\xef\xbf\xbe" || whole == "\xef\xbf\xbf")
+      out += '?';
+    else if (length > 1)
+      out += whole;
     else if (length == 0)
       out += '?';
     else if (c == '&')

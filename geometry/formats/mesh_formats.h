@@ -22,7 +22,8 @@ struct MeshSource;
 using MeshRecogniser = bool(const internal::MeshSource& source);
 /// Reads what was recognised, or what only bears the format's extension: then the error says what is missing.
 using MeshReader = Expected<MeshFile>(const internal::MeshSource& source, const Progress& progress);
-/// Writes to a stream that the caller checks and closes. The comment in `options` has no line ends.
+/// Writes to a stream that the caller checks and closes. The comment in `options` has no line ends, the names are
+/// clean.
 using MeshWriter = Expected<void>(std::ostream& out, const Mesh& mesh, const MeshWriteOptions& options);
 
 struct MeshFormatRow {
@@ -31,6 +32,7 @@ struct MeshFormatRow {
   /// What a file can hold beside triangles.
   struct Carries {
     bool vertex_colors = false, face_colors = false;
+    bool object_names = false;
     bool unit = false;     ///< says its unit in a place made for it; a comment that says so does not count
     bool doubles = false;  ///< can be written with double positions; the others hold float32
   } carries{};

@@ -9,6 +9,7 @@
 
 #include "geometry/base/error.h"
 #include "geometry/base/progress.h"
+#include "geometry/formats/named_part.h"
 #include "geometry/mesh/mesh.h"
 
 namespace kerf {
@@ -27,7 +28,9 @@ struct MeshFile {
   std::string declared_unit;
   std::size_t polygons_triangulated = 0;  ///< faces of four or more corners
   std::size_t unwelded_vertices = 0;  ///< STL: corners before welding, three per triangle. Others: 0, nothing is welded
-  std::vector<std::string> notes;     ///< what was skipped, ignored or odd; plain sentences for the user
+  /// The named objects of OBJ and 3MF, as they follow each other in the triangles; empty: none has a name.
+  std::vector<NamedPart> objects{};
+  std::vector<std::string> notes;  ///< what was skipped, ignored or odd; plain sentences for the user
 };
 
 /// Reads every format of the table (mesh_formats.h) that has a reader: STL (binary, ASCII), PLY (ASCII, both binary
@@ -40,6 +43,7 @@ struct MeshFile {
 ///   3MF        the objects on the build plate, copies and components where the file puts them, in one mesh; within an
 ///              object the order stays. Mirrored copies are turned inside in again. Supports are left out.
 /// Polygons are triangulated: a fan where convex, else by ear clipping; triangle strips of PLY become triangles.
+/// Names: `o` of OBJ, `g` in a file without; `name` of a 3MF object, else that of the object it is a component of.
 /// Colours: PLY vertex and face (bytes, shorts, reals), OBJ `v x y z r g b`, COFF vertices, OFF faces, STL attribute
 /// words (Magics, VisCAM), 3MF colour groups and base materials (per triangle where a file colours whole triangles,
 /// else per vertex). Where vertices have none: textures (JPEG, PNG) of OBJ and PLY become colours of vertices, `Kd`

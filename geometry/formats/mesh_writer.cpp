@@ -58,6 +58,7 @@ Expected<void> writeMesh(const std::filesystem::path& path, const Mesh& mesh, co
   MeshWriteOptions cleaned = options;
   for (char& c : cleaned.comment)
     if (static_cast<unsigned char>(c) < 0x20) c = ' ';
+  for (NamedPart& part : cleaned.objects) part.name = objectName(part.name);
 
   KERF_TRY(file, AtomicFile::create(path));
   if (auto written = row->write(file.stream(), mesh, cleaned); !written) {

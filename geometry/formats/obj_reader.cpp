@@ -1,5 +1,5 @@
 // Wavefront OBJ: v (with the common colour extension v x y z r g b) and f; vt, usemtl and mtllib for colours;
-// everything else is skipped and noted.
+// o and g for names; everything else is skipped and noted.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -97,6 +97,7 @@ class ObjReader {
     paint();
     noteSkipped();
     triangulate(polygons_, file_);
+    nameObjects();
     return finished(source_, std::move(file_));
   }
 
@@ -128,6 +129,11 @@ class ObjReader {
     } else if (keyword == "usemtl") {
       material_ =
           material_names_.try_emplace(std::string(trimmedEnd(words.rest())), material_names_.size()).first->second;
+    } else if (keyword == "o") {
+      objects_.begin(words.rest(), triangles_);
+    } else if (keyword == "g") {
+      const std::string_view name = trimmedEnd(words.rest());
+      groups_.begin(name == "default" ? std::string_view{} : name, triangles_);
     }
     const bool known = std::find(std::begin(kSkipped), std::end(kSkipped), keyword) != std::end(kSkipped);
     const bool is_word = std::all_of(keyword.begin(), keyword.end(), [](char c) {
@@ -205,6 +211,7 @@ class ObjReader {
     face_material_.resize(polygons_.sizes.size(), kNone);
     face_material_.push_back(static_cast<std::uint32_t>(material_));
     polygons_.add(corners_.data(), corners_.size());
+    triangles_ += corners_.size() - 2;
     return {};
   }
 
@@ -285,6 +292,14 @@ class ObjReader {
     polygons_.colors = std::move(colors);
   }
 
+  void nameObjects() {
+    file_.objects = objects_.finish(triangles_);
+    if (file_.objects.empty() && !objects_.hasTooMany()) file_.objects = groups_.finish(triangles_);
+    if (file_.objects.empty() && (objects_.hasTooMany() || groups_.hasTooMany()))
+      file_.notes.emplace_back("Names of objects were not read: there are more than " +
+                               std::to_string(kMostNamedParts) + ".");
+  }
+
   void noteSkipped() {
     std::string odd;
     for (const auto& [keyword, count] : skipped_) {
@@ -315,6 +330,9 @@ class ObjReader {
   std::vector<std::uint32_t> face_material_;  // per face
   std::map<std::string, std::size_t> material_names_;
   std::size_t material_ = kNone;  // the current one
+
+  PartList objects_, groups_;
+  std::size_t triangles_ = 0;  // of the faces so far
 };
 
 }  // namespace

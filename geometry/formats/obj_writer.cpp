@@ -2,10 +2,20 @@
 // not 2-manifold. Numbers are the shortest that bring the float32 back exactly, whatever the locale.
 #include <charconv>
 #include <ostream>
+#include <string>
 
 #include "geometry/formats/mesh_writer.h"
 
 namespace kerf::internal {
+namespace {
+
+// One that ends in a backslash would go on in the next line.
+std::string lineOf(std::string name) {
+  while (!name.empty() && (name.back() == '\\' || name.back() == ' ')) name.pop_back();
+  return "o " + (name.empty() ? "unnamed" : name) + '\n';
+}
+
+}  // namespace
 
 Expected<void> writeObj(std::ostream& out, const Mesh& mesh, const MeshWriteOptions& options) {
   const bool colors = options.colors && mesh.hasVertexColors();
@@ -28,10 +38,15 @@ Expected<void> writeObj(std::ostream& out, const Mesh& mesh, const MeshWriteOpti
     out.write(line, p - line);
   }
 
-  for (const Triangle& t : mesh.triangles) {
+  auto part = options.objects.begin();
+  for (std::size_t n = 0; n < mesh.triangles.size(); ++n) {
+    if (part != options.objects.end() && part->first_triangle == n) {
+      if (n > 0 || !part->name.empty()) out << lineOf(part->name);
+      ++part;
+    }
     char* p = line;
     *p++ = 'f';
-    for (const std::uint32_t v : t) {
+    for (const std::uint32_t v : mesh.triangles[n]) {
       *p++ = ' ';
       p = std::to_chars(p, end, std::uint64_t{v} + 1).ptr;
     }

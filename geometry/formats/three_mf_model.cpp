@@ -224,6 +224,7 @@ struct ThreeMfModelParser::State : XmlParser::Handler {
     KERF_TRY(id, resourceId(a));
     ThreeMfObject fresh;
     fresh.id = id;
+    fresh.name = objectName(a.find("name").value_or(""));
     const std::string_view type = a.find("type").value_or("model");
     fresh.is_support = type == "support" || type == "solidsupport";
 

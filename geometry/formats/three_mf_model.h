@@ -25,6 +25,7 @@ struct ThreeMfPlacement {
 
 struct ThreeMfObject {
   std::uint32_t id = 0;
+  std::string name{};       ///< of objectName(); empty: none
   bool is_support = false;  ///< type "support" or "solidsupport"
   std::vector<Vec3d> vertices;
   std::vector<Triangle> triangles;

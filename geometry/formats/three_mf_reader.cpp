@@ -56,6 +56,10 @@ class ThreeMfReader {
     KERF_CHECK(build(*root));
 
     finishColors();
+    if (names_.hasTooMany())
+      file_.notes.emplace_back("Names of objects were not read: there are more than " +
+                               std::to_string(kMostNamedParts) + ".");
+    file_.objects = names_.finish(file_.mesh.triangles.size());
     file_.had_double_coordinates |= root->model.had_double_coordinates;
     for (const auto& [path, part] : parts_) file_.had_double_coordinates |= part->model.had_double_coordinates;
     return finished(source_, std::move(file_));
@@ -176,7 +180,7 @@ class ThreeMfReader {
 
     file_.mesh.vertices.reserve(vertices);
     file_.mesh.triangles.reserve(triangles);
-    for (const auto& [target, item] : items) KERF_CHECK(add(*target.part, target.object, Affine{}.after(*item)));
+    for (const auto& [target, item] : items) KERF_CHECK(add(*target.part, target.object, Affine{}.after(*item), ""));
     if (file_.mesh.triangles.empty()) return {};
 
     if (placed_ > 1)
@@ -193,19 +197,22 @@ class ThreeMfReader {
   }
 
   // Depth is at most kMostNesting; what holds no triangles is not visited.
-  Expected<void> add(const Part& part, std::size_t index, const Affine& affine) {
+  // @param whole  name of the object that this one is a component of.
+  Expected<void> add(const Part& part, std::size_t index, const Affine& affine, const std::string& whole) {
     const ThreeMfObject& object = part.model.objects[index];
-    if (!object.triangles.empty()) KERF_CHECK(addMesh(object, affine));
+    const std::string& name = object.name.empty() ? whole : object.name;
+    if (!object.triangles.empty()) KERF_CHECK(addMesh(object, affine, name));
     for (const ThreeMfPlacement& component : object.components) {
       KERF_TRY(target, resolve(part, component));
       if (target.part->sizes[target.object].triangles > 0)
-        KERF_CHECK(add(*target.part, target.object, affine.after(component)));
+        KERF_CHECK(add(*target.part, target.object, affine.after(component), name));
     }
     return {};
   }
 
-  Expected<void> addMesh(const ThreeMfObject& object, const Affine& affine) {
+  Expected<void> addMesh(const ThreeMfObject& object, const Affine& affine, const std::string& name) {
     Mesh& mesh = file_.mesh;
+    names_.begin(name, mesh.triangles.size());
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
     if (!report(progress_, static_cast<double>(mesh.triangles.size()) / static_cast<double>(mesh.triangles.capacity()),
                 "building the 3MF"))
@@ -279,6 +286,7 @@ class ThreeMfReader {
   std::set<std::string> skipped_;
   double scale_ = 1;
   std::size_t placed_ = 0, moved_ = 0;
+  PartList names_;
   std::vector<std::array<Rgba8, 3>> corner_colors_;  // empty or one per triangle so far
   MeshFile file_;
 };

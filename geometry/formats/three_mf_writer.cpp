@@ -1,7 +1,10 @@
-// 3MF: one object, one build item, millimetres. Text of shortest length that brings every float32 back.
+// 3MF: an object and a build item for each named part, or one of all; millimetres. Text of shortest length that brings
+// every float32 back.
 #include <algorithm>
 #include <charconv>
+#include <numeric>
 #include <unordered_map>
+#include <utility>
 
 #include "geometry/base/xml_text.h"
 #include "geometry/formats/mesh_writer.h"
@@ -23,7 +26,8 @@ constexpr const char* kRelations =
  <Relationship Id="model" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel" Target="/3D/3dmodel.model"/>
 </Relationships>
 )";
-constexpr int kColorGroup = 1, kObject = 2;
+constexpr int kColorGroup = 1;
+constexpr std::size_t kFirstObject = 2;
 
 template <class Number>
 void append(std::string& text, const char* before, Number value, const char* after = "\"") {
@@ -33,11 +37,19 @@ void append(std::string& text, const char* before, Number value, const char* aft
   text += after;
 }
 
+// What one object of the file holds.
+struct WrittenObject {
+  std::string_view name;
+  std::size_t first = 0;                ///< of its triangles in the mesh
+  std::vector<std::uint32_t> vertices;  ///< of the mesh, in its order
+  std::vector<Triangle> triangles;      ///< of positions in `vertices`
+};
+
 // Every edge between exactly two triangles that run along it in opposite directions: what type "model" promises.
-bool isClosedManifold(const Mesh& mesh) {
+bool isClosedManifold(const std::vector<Triangle>& triangles) {
   std::vector<std::uint64_t> edges;
-  edges.reserve(3 * mesh.triangles.size());
-  for (const Triangle& t : mesh.triangles)
+  edges.reserve(3 * triangles.size());
+  for (const Triangle& t : triangles)
     for (std::size_t k = 0; k < 3; ++k) edges.push_back(std::uint64_t{t[k]} << 32 | t[(k + 1) % 3]);
   std::sort(edges.begin(), edges.end());
   if (std::adjacent_find(edges.begin(), edges.end()) != edges.end()) return false;
@@ -93,8 +105,39 @@ Expected<void> checkWritable(const Mesh& mesh) {
   return {};
 }
 
-void appendVertices(std::string& text, const Mesh& mesh) {
-  for (const Vec3d& p : mesh.vertices) {
+// Without names all vertices of the mesh, used or not; else each part those that it uses.
+std::vector<WrittenObject> writtenObjects(const Mesh& mesh, const std::vector<NamedPart>& objects) {
+  std::vector<WrittenObject> out;
+  if (objects.size() <= 1) {
+    WrittenObject& all = out.emplace_back();
+    if (!objects.empty()) all.name = objects[0].name;
+    all.vertices.resize(mesh.vertices.size());
+    std::iota(all.vertices.begin(), all.vertices.end(), 0u);
+    all.triangles = mesh.triangles;
+    return out;
+  }
+
+  std::vector<std::uint32_t> place(mesh.vertices.size());  // in the part being made
+  for (std::size_t n = 0; n < objects.size(); ++n) {
+    const std::size_t end = n + 1 < objects.size() ? objects[n + 1].first_triangle : mesh.triangles.size();
+    WrittenObject part{objects[n].name, objects[n].first_triangle, {}, {}};
+    for (std::size_t t = part.first; t < end; ++t)
+      part.vertices.insert(part.vertices.end(), mesh.triangles[t].begin(), mesh.triangles[t].end());
+    std::sort(part.vertices.begin(), part.vertices.end());
+    part.vertices.erase(std::unique(part.vertices.begin(), part.vertices.end()), part.vertices.end());
+    for (std::uint32_t v = 0; v < part.vertices.size(); ++v) place[part.vertices[v]] = v;
+    for (std::size_t t = part.first; t < end; ++t) {
+      const Triangle& v = mesh.triangles[t];
+      part.triangles.push_back({place[v[0]], place[v[1]], place[v[2]]});
+    }
+    out.push_back(std::move(part));
+  }
+  return out;
+}
+
+void appendVertices(std::string& text, const Mesh& mesh, const WrittenObject& part) {
+  for (const std::uint32_t v : part.vertices) {
+    const Vec3d& p = mesh.vertices[v];
     append(text, "<vertex x=\"", static_cast<float>(p.x()));
     append(text, " y=\"", static_cast<float>(p.y()));
     append(text, " z=\"", static_cast<float>(p.z()), "\"/>\n");
@@ -102,17 +145,18 @@ void appendVertices(std::string& text, const Mesh& mesh) {
 }
 
 // The palette colours whole triangles, or their corners, or nothing.
-void appendTriangles(std::string& text, const Mesh& mesh, const Palette& palette, bool by_face, bool by_vertex) {
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const Triangle& v = mesh.triangles[t];
+void appendTriangles(std::string& text, const WrittenObject& part, const Palette& palette, bool by_face,
+                     bool by_vertex) {
+  for (std::size_t t = 0; t < part.triangles.size(); ++t) {
+    const Triangle& v = part.triangles[t];
     append(text, "<triangle v1=\"", v[0]);
     append(text, " v2=\"", v[1]);
     append(text, " v3=\"", v[2]);
-    if (by_face) append(text, " p1=\"", palette[t]);
+    if (by_face) append(text, " p1=\"", palette[part.first + t]);
     if (by_vertex) {
-      append(text, " p1=\"", palette[v[0]]);
-      append(text, " p2=\"", palette[v[1]]);
-      append(text, " p3=\"", palette[v[2]]);
+      append(text, " p1=\"", palette[part.vertices[v[0]]]);
+      append(text, " p2=\"", palette[part.vertices[v[1]]]);
+      append(text, " p3=\"", palette[part.vertices[v[2]]]);
     }
     text += "/>\n";
   }
@@ -138,19 +182,25 @@ Expected<void> writeThreeMf(std::ostream& out, const Mesh& mesh, const MeshWrite
   text += " <resources>\n";
   if (!palette.isEmpty()) palette.write(text);
 
-  append(text, "  <object id=\"", kObject);
-  // An open surface may not call itself a model.
-  text += isClosedManifold(mesh) ? " type=\"model\"" : " type=\"surface\"";
-  if (!palette.isEmpty()) {
-    append(text, " pid=\"", kColorGroup);
-    text += " pindex=\"0\"";
+  const std::vector<WrittenObject> parts = writtenObjects(mesh, options.objects);
+  for (std::size_t n = 0; n < parts.size(); ++n) {
+    append(text, "  <object id=\"", kFirstObject + n);
+    if (!parts[n].name.empty()) text += " name=\"" + xmlText(parts[n].name) + '"';
+    // An open surface may not call itself a model.
+    text += isClosedManifold(parts[n].triangles) ? " type=\"model\"" : " type=\"surface\"";
+    if (!palette.isEmpty()) {
+      append(text, " pid=\"", kColorGroup);
+      text += " pindex=\"0\"";
+    }
+    text += ">\n   <mesh>\n    <vertices>\n";
+    appendVertices(text, mesh, parts[n]);
+    text += "    </vertices>\n    <triangles>\n";
+    appendTriangles(text, parts[n], palette, by_face, by_vertex);
+    text += "    </triangles>\n   </mesh>\n  </object>\n";
   }
-  text += ">\n   <mesh>\n    <vertices>\n";
-  appendVertices(text, mesh);
-  text += "    </vertices>\n    <triangles>\n";
-  appendTriangles(text, mesh, palette, by_face, by_vertex);
-  text += "    </triangles>\n   </mesh>\n  </object>\n </resources>\n <build>\n";
-  append(text, "  <item objectid=\"", kObject, "\"/>\n </build>\n</model>\n");
+  text += " </resources>\n <build>\n";
+  for (std::size_t n = 0; n < parts.size(); ++n) append(text, "  <item objectid=\"", kFirstObject + n, "\"/>\n");
+  text += " </build>\n</model>\n";
   return writeZip(
       out,
       {{"[Content_Types].xml", kContentTypes}, {"_rels/.rels", kRelations}, {"3D/3dmodel.model", std::move(text)}});
