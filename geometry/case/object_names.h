@@ -1,0 +1,63 @@
+// Names that the objects of a case had in its files ("tooth 36"), and which of them what is left of it goes by.
+//
+// The names are read from the sources, which a case keeps byte for byte: a case of any age has them. A vertex that is
+// neither cut nor moved keeps its bits, and so tells of which object it is.
+#pragma once
+
+#include <array>
+#include <compare>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "geometry/case/case_bundle.h"
+#include "geometry/formats/named_part.h"
+#include "geometry/mesh/mesh.h"
+
+namespace kerf {
+
+/// A mesh and its objects, as writeMesh() takes them.
+struct NamedMesh {
+  Mesh mesh{};
+  std::vector<NamedPart> objects{};  ///< empty: none has a name
+};
+
+class ObjectNames {
+ public:
+  ObjectNames() = default;
+  /// Of the OBJ and 3MF files among the sources. One that is not as it was stored, or that cannot be read, has no
+  /// names: nothing fails without them.   @cost  reads these files.
+  static ObjectNames ofCase(const std::filesystem::path& folder, const CaseManifest& manifest);
+  /// Of one mesh, mm.
+  static ObjectNames ofMesh(const Mesh& mesh, std::span<const NamedPart> objects);
+
+  bool isEmpty() const { return names_.size() < 2; }
+  /// The name of the object of which most triangles are, by their corners; empty: of one without a name, or of none.
+  std::string nameOf(const Mesh& mesh) const;
+  /// The mesh as it goes into a file: each solid under the name of nameOf(). Solids of several names stand one name
+  /// after the other, those without one first, and otherwise in their order. A format without names, and a mesh of one
+  /// name: not reordered.   @param file  its extension is the format.
+  /// @pre closed.   @cost  as solidsOf().
+  NamedMesh grouped(const Mesh& mesh, const std::filesystem::path& file) const;
+
+ private:
+  using Place = std::array<float, 3>;
+  struct Vertex {
+    Place place;
+    std::uint32_t name;
+    auto operator<=>(const Vertex&) const = default;
+  };
+  void add(const Mesh& mesh, double scale_to_mm, std::span<const NamedPart> objects);
+  void finish(bool is_all);
+  std::uint32_t numberOf(const std::string& name);
+  std::uint32_t nameAt(const Vec3d& p) const;
+
+  std::vector<std::string> names_{""};
+  std::vector<Vertex> vertices_;   // sorted; a place that two objects share is in none
+  std::uint32_t name_of_all_ = 0;  // all that there is has this name; 0: there are several, or some without
+  bool has_unnamed_ = false;
+};
+
+}  // namespace kerf
