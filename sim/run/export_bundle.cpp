@@ -91,6 +91,7 @@ bool liesDeeper(const BrickField& phi, const BrickField& phi0) {
 
 // A case and what a run did to it.
 struct CutCase {
+  CaseManifest manifest;
   Mesh solid;
   BrickField phi0;  // on the grid of `cut`
   BrickField cut;   // the sweep of a run cut geometry-only, else the cut field
@@ -129,7 +130,7 @@ Expected<CutCase> loadCut(const fs::path& run_folder, const RunManifest& manifes
                  .expected = fmt::format("{} mm, as in the case", phi0.voxel()),
                  .hint = "cut again"});
   if (!is_geometry) KERF_CHECK(requireOnlyTaken(run_folder, manifest, cut, phi0, beside));
-  return CutCase{std::move(solid), std::move(phi0), std::move(cut)};
+  return CutCase{std::move(in_case), std::move(solid), std::move(phi0), std::move(cut)};
 }
 
 Expected<PostOpMesh> meshOf(const CutCase& loaded, bool is_geometry, const PostOpOptions& options,
@@ -145,6 +146,7 @@ Expected<Export> exportCase(const fs::path& folder, const PostOpOptions& options
   KERF_TRY(mesh, postOperativeMesh(solid, nothing, options, progress));
   Export out;
   out.post_op = std::move(mesh);
+  out.names = ObjectNames::ofCase(folder, manifest);
   return out;
 }
 
@@ -165,6 +167,7 @@ Expected<Export> exportRun(const fs::path& folder, const PostOpOptions& options,
   Export out;
   out.post_op = std::move(*result);
   if (beside == 0) out.pieces = manifest.pieces;
+  out.names = ObjectNames::ofCase(case_folder, loaded.manifest);
 
   // The mesh is made and verified: a measurement that fails does not take it away.
   if (manifest.mode == kModeGeometry && !is_geometry)

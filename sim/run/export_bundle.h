@@ -8,6 +8,7 @@
 #include "geometry/base/error.h"
 #include "geometry/base/progress.h"
 #include "geometry/boolean/post_op_mesh.h"
+#include "geometry/case/object_names.h"
 #include "geometry/field/brick_field.h"
 #include "sim/run/run_manifest.h"
 
@@ -22,6 +23,7 @@ struct WallAccuracy {
 struct Export {
   PostOpMesh post_op;                      ///< pieces where they were loaded: placedPieces() puts them where they are
   std::vector<RunManifest::Piece> pieces;  ///< of a session whose object is in pieces, or was moved; else none
+  ObjectNames names;                       ///< of the case
   WallAccuracy accuracy;                   ///< vertices = 0 for a case without a cut
   std::string accuracy_missing;  ///< why the walls could not be measured; empty if they were, or there is no cut
 };

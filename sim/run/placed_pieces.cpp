@@ -10,6 +10,7 @@
 #include <numeric>
 #include <optional>
 #include <set>
+#include <string_view>
 #include <unordered_map>
 #include <utility>
 
@@ -128,6 +129,13 @@ Expected<std::vector<std::uint32_t>> ownersOf(const Mesh& mesh, const Solids& so
   return owner;
 }
 
+// Other than the numbers that sessions give.
+bool isNamedByPerson(const RunManifest::Piece& piece) {
+  constexpr std::string_view kGiven = "piece ";
+  if (!piece.name.starts_with(kGiven)) return !piece.name.empty();
+  return piece.name.find_first_not_of("0123456789", kGiven.size()) != piece.name.npos;
+}
+
 bool crossesItself(const Mesh& mesh) { return !selfIntersections(mesh.vertices, mesh.triangles, 1).empty(); }
 
 Expected<Mesh> moved(const Mesh& mesh, const RunManifest::Piece& piece) {
@@ -150,10 +158,10 @@ Expected<Mesh> moved(const Mesh& mesh, const RunManifest::Piece& piece) {
 }  // namespace
 
 Expected<std::vector<PlacedPiece>> placedPieces(const Mesh& mesh, std::span<const RunManifest::Piece> pieces,
-                                                bool is_put_back) {
+                                                bool is_put_back, const ObjectNames& names) {
   std::vector<PlacedPiece> out;
   if (pieces.empty()) {
-    out.push_back({0, "piece 1", false, mesh});
+    out.push_back({0, "piece 1", false, mesh, names.nameOf(mesh)});
     return out;
   }
   const Solids solids = solidsOf(mesh);
@@ -162,8 +170,9 @@ Expected<std::vector<PlacedPiece>> placedPieces(const Mesh& mesh, std::span<cons
   for (std::uint32_t n = 0; n < pieces.size(); ++n) {
     std::vector<char> is_kept(mesh.triangles.size());
     for (std::size_t t = 0; t < is_kept.size(); ++t) is_kept[t] = owner[solids.label[t]] == n;
-    PlacedPiece placed{pieces[n].id, pieces[n].name, !is_put_back && pieces[n].isMoved(), subset(mesh, is_kept)};
+    PlacedPiece placed{pieces[n].id, pieces[n].name, !is_put_back && pieces[n].isMoved(), subset(mesh, is_kept), {}};
     if (placed.mesh.triangles.empty()) continue;
+    placed.object = isNamedByPerson(pieces[n]) ? pieces[n].name : names.nameOf(placed.mesh);
     if (placed.is_moved) {
       KERF_TRY(there, moved(placed.mesh, pieces[n]));
       placed.mesh = std::move(there);
@@ -173,17 +182,23 @@ Expected<std::vector<PlacedPiece>> placedPieces(const Mesh& mesh, std::span<cons
   return out;
 }
 
-std::vector<PlacedPiece> solidPieces(const Mesh& mesh) {
+std::vector<PlacedPiece> solidPieces(const Mesh& mesh, const ObjectNames& names) {
   const Solids solids = solidsOf(mesh);
   std::vector<PlacedPiece> out;
   for (std::uint32_t n = 0; n < solids.count; ++n) {
     std::vector<char> is_kept(mesh.triangles.size());
     for (std::size_t t = 0; t < is_kept.size(); ++t) is_kept[t] = solids.label[t] == n;
-    out.push_back({0, "", false, subset(mesh, is_kept)});
+    out.push_back({0, "", false, subset(mesh, is_kept), {}});
+    out.back().object = names.nameOf(out.back().mesh);
   }
   std::stable_sort(out.begin(), out.end(),
                    [](const auto& a, const auto& b) { return signedVolume(a.mesh) > signedVolume(b.mesh); });
-  for (std::size_t n = 0; n < out.size(); ++n) out[n].name = fmt::format("piece {}", n + 1);
+  std::set<std::string> taken;
+  for (std::size_t n = 0; n < out.size(); ++n) {
+    out[n].name = out[n].object.empty() ? fmt::format("piece {}", n + 1) : out[n].object;
+    for (int again = 2; !taken.insert(out[n].name).second; ++again)
+      out[n].name = fmt::format("{} {}", out[n].object.empty() ? fmt::format("piece {}", n + 1) : out[n].object, again);
+  }
   return out;
 }
 
@@ -228,6 +243,18 @@ Expected<void> requireNoSource(const std::filesystem::path& file, const CaseMani
 Mesh together(std::span<const PlacedPiece> pieces) {
   Mesh out;
   for (const PlacedPiece& piece : pieces) append(out, piece.mesh);
+  return out;
+}
+
+std::vector<NamedPart> objectsOf(std::span<const PlacedPiece> pieces) {
+  std::vector<NamedPart> out;
+  std::size_t first = 0;
+  for (const PlacedPiece& piece : pieces) {
+    out.push_back({piece.object, first});
+    first += piece.mesh.triangles.size();
+  }
+  const auto is_named = [](const NamedPart& part) { return !part.name.empty(); };
+  if (std::none_of(out.begin(), out.end(), is_named)) out.clear();
   return out;
 }
 

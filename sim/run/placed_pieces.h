@@ -9,6 +9,7 @@
 
 #include "geometry/base/error.h"
 #include "geometry/case/case_bundle.h"
+#include "geometry/case/object_names.h"
 #include "geometry/mesh/mesh.h"
 #include "sim/run/run_manifest.h"
 
@@ -18,7 +19,8 @@ struct PlacedPiece {
   std::uint32_t id = 0;  ///< RunManifest::Piece::id
   std::string name;
   bool is_moved = false;
-  Mesh mesh;  ///< closed; of one that is not moved every vertex is that of the whole, bit for bit
+  Mesh mesh;             ///< closed; of one that is not moved every vertex is that of the whole, bit for bit
+  std::string object{};  ///< its name in a file that holds names: as a person called it, or as its source did; or empty
 };
 
 /// Takes a mesh apart into the pieces of a run.
@@ -29,15 +31,17 @@ struct PlacedPiece {
 /// hundred-thousandths of a millimetre until it does not.
 /// @param mesh  of postOperativeMesh(): all pieces where they were loaded.
 /// @param is_put_back  leaves all where they were loaded.
+/// @param names  of the case, for PlacedPiece::object.
 /// @return  in the order of `pieces`; without those that were dropped as crumbs.
 /// Error kGeometry: two pieces hang together in the mesh, and one was moved; or a piece crosses itself wherever it is.
 /// @cost  30 ns a triangle and piece, and the search for crossings of what was moved.
 Expected<std::vector<PlacedPiece>> placedPieces(const Mesh& mesh, std::span<const RunManifest::Piece> pieces,
-                                                bool is_put_back = false);
+                                                bool is_put_back = false, const ObjectNames& names = {});
 
-/// The solids of a mesh as pieces, the largest first: "piece 1", "piece 2", ... Of a cut that no session has divided.
+/// The solids of a mesh as pieces, the largest first. Of a cut that no session has divided. A piece has the name of its
+/// object in the source, a further one of that object "tooth 36 2"; without one it is "piece 2" by its place.
 /// @cost  as solidsOf().
-std::vector<PlacedPiece> solidPieces(const Mesh& mesh);
+std::vector<PlacedPiece> solidPieces(const Mesh& mesh, const ObjectNames& names = {});
 
 /// A file for each: NAME-PIECE.stl of NAME.stl; what a file name should not hold becomes "-", a long name is cut, and
 /// what would be the same file, also where capitals do not count, gets a number.
@@ -50,5 +54,7 @@ Expected<void> requireNoSource(const std::filesystem::path& file, const CaseMani
 
 /// All in one mesh. Without a moved piece that is the mesh they were taken from, but for the order of its parts.
 Mesh together(std::span<const PlacedPiece> pieces);
+/// The pieces as the objects of that mesh; empty if none has a name of its own.
+std::vector<NamedPart> objectsOf(std::span<const PlacedPiece> pieces);
 
 }  // namespace kerf

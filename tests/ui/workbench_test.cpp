@@ -370,6 +370,19 @@ TEST_F(WorkbenchTest, ASessionThatAddsNothingToARunLeavesNone) {
   EXPECT_TRUE(isRun(first));
 }
 
+TEST_F(WorkbenchTest, WhatIsExportedHasTheNamesOfItsScan) {
+  const fs::path in = folder_.path() / "row.obj", out = folder_.path() / "out.3mf";
+  Mesh row = test::blockMesh(true), other = test::blockMesh(true);
+  for (Vec3d& p : other.vertices) p.x() += 10;
+  append(row, other);
+  ASSERT_TRUE(writeMesh(in, row, {.objects = {{"tooth 36", 0}, {"gingiva", 12}}}));
+  const auto played = play("file.open \"" + in.string() + "\"\nwait\nfile.export \"" + out.string() + "\"\nwait\n");
+  ASSERT_TRUE(played) << played.error().message() << allNotices();
+  const auto back = readMesh(out);
+  ASSERT_TRUE(back) << back.error().message();
+  EXPECT_EQ(back->objects, (std::vector<NamedPart>{{"tooth 36", 0}, {"gingiva", 12}}));
+}
+
 TEST_F(WorkbenchTest, TheScanThatWasOpenedIsNeverWrittenOver) {
   const fs::path in = scan(folder_);
   const auto before = sha256OfFile(in);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <span>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -47,7 +48,7 @@ tl::unexpected<Error> noSuchPiece() {
 }
 
 // Pieces that were moved may reach into each other though each of them is right.
-ExportPart partOfExport(std::string piece, Mesh mesh, const std::vector<PlacedPiece>& together = {}) {
+ExportPart partOfExport(std::string piece, Mesh mesh, std::span<const PlacedPiece> together = {}) {
   ExportPart out;
   out.piece = std::move(piece);
   out.report = checkMesh(mesh);
@@ -57,9 +58,16 @@ ExportPart partOfExport(std::string piece, Mesh mesh, const std::vector<PlacedPi
   return out;
 }
 
+ExportPart partOfPiece(PlacedPiece& piece) {
+  std::vector<NamedPart> objects = objectsOf({&piece, 1});
+  ExportPart out = partOfExport(piece.name, std::move(piece.mesh));
+  out.objects = std::move(objects);
+  return out;
+}
+
 // What goes into which file.
-Expected<std::vector<ExportPart>> partsOfExport(LiveResult& result, const SceneCopy& scene,
-                                                const ExportChoice& choice) {
+Expected<std::vector<ExportPart>> partsOfExport(LiveResult& result, const SceneCopy& scene, const ExportChoice& choice,
+                                                const ObjectNames& names) {
   std::vector<ExportPart> out;
   const bool is_moved = std::any_of(result.pieces.begin(), result.pieces.end(),
                                     [&](const auto& piece) { return piece.isMoved() && !choice.is_put_back; });
@@ -68,25 +76,27 @@ Expected<std::vector<ExportPart>> partsOfExport(LiveResult& result, const SceneC
     return out;
   }
 
-  KERF_TRY(pieces, placedPieces(result.post_op.mesh, result.pieces, choice.is_put_back));
+  KERF_TRY(pieces, placedPieces(result.post_op.mesh, result.pieces, choice.is_put_back, names));
   if (choice.only) {
     for (const SceneCopy::Object& object : scene.objects)
       for (PlacedPiece& piece : pieces)
         if (object.id == *choice.only && (piece.id == object.id || result.pieces.empty()))
-          out.push_back(partOfExport(piece.name, std::move(piece.mesh)));
+          out.push_back(partOfPiece(piece));
   } else if (choice.is_each) {
-    for (PlacedPiece& piece : pieces) out.push_back(partOfExport(piece.name, std::move(piece.mesh)));
+    for (PlacedPiece& piece : pieces) out.push_back(partOfPiece(piece));
   } else {
     out.push_back(partOfExport("", together(pieces), pieces));
+    out.back().objects = objectsOf(pieces);
   }
   if (out.empty()) return noSuchPiece();
   return out;
 }
 
 // One file.   @return  a line about it.
-Expected<std::string> write(const ExportPart& part, const fs::path& file, bool& is_ready) {
-  KERF_CHECK(writeMesh(file, part.mesh));
-  KERF_TRY(back, readBack(file, part.mesh));
+Expected<std::string> write(const ExportPart& part, const ObjectNames& names, const fs::path& file, bool& is_ready) {
+  const NamedMesh named = part.objects.empty() ? names.grouped(part.mesh, file) : NamedMesh{part.mesh, part.objects};
+  KERF_CHECK(writeMesh(file, named.mesh, {.objects = named.objects}));
+  KERF_TRY(back, readBack(file, named.mesh));
   ExportPart read;
   read.report = checkMesh(back);
   read.is_met = part.is_met;
@@ -138,7 +148,10 @@ Expected<PreparedExport> prepareExport(const LiveRun& run, const SceneCopy& scen
   out.pieces = result.pieces.size();
   for (const RunManifest::Piece& piece : result.pieces) out.moved += piece.isMoved() && !choice.is_put_back;
   if (!report(progress, kOfExport, "checking")) return cancelledBeforeWriting();
-  KERF_TRY(parts, partsOfExport(result, scene, choice));
+  const LiveNeighbour* const other = choice.beside > 0 ? &run.neighbours()[choice.beside - 1] : nullptr;
+  out.names = other ? ObjectNames::ofCase(other->known.folder, other->known.manifest)
+                    : ObjectNames::ofCase(run.caseFolder(), run.caseManifest());
+  KERF_TRY(parts, partsOfExport(result, scene, choice, out.names));
   out.parts = std::move(parts);
   return out;
 }
@@ -154,7 +167,7 @@ Expected<WrittenExport> writeExport(const PreparedExport& prepared, const LiveRu
 
   out.is_ready = true;
   for (std::size_t n = 0; n < prepared.parts.size(); ++n) {
-    auto line = write(prepared.parts[n], out.files[n], out.is_ready);
+    auto line = write(prepared.parts[n], prepared.names, out.files[n], out.is_ready);
     if (!line) {
       if (!out.text.empty()) line.error().hint += "; written before it: " + out.text;
       return fail(std::move(line).error());

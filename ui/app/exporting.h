@@ -12,6 +12,7 @@
 
 #include "geometry/base/error.h"
 #include "geometry/base/progress.h"
+#include "geometry/case/object_names.h"
 #include "geometry/mesh/mesh.h"
 #include "geometry/mesh/mesh_check.h"
 #include "sim/run/live_run.h"
@@ -38,6 +39,7 @@ struct ExportPart {
   MeshReport report{};  ///< of checkMesh(): what `kerf check` says of it
   bool is_met =
       false;  ///< not ready, though each of its pieces is: they reach into each other where they were moved to
+  std::vector<NamedPart> objects{};  ///< of pieces; empty: as PreparedExport::names has them
 
   /// A sentence: whether it can be printed, and what to do about it.
   std::string verdict() const;
@@ -46,6 +48,7 @@ struct ExportPart {
 /// What an export would write, before anything is written.
 struct PreparedExport {
   std::vector<ExportPart> parts{};  ///< a file each
+  ObjectNames names{};              ///< of the case
   bool is_each = false;             ///< files have the names of their pieces
   double removed_mm3 = 0;
   std::size_t vertices_kept = 0;      ///< of the solid, bit for bit

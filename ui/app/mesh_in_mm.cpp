@@ -12,7 +12,7 @@ namespace kerf {
 Expected<MeshInMm> readMeshInMm(const std::filesystem::path& file, const std::string& asked_unit) {
   KERF_TRY(read, readMesh(file));
   KERF_TRY(unit, chooseUnit(bounds(read.mesh), asked_unit, read.declared_unit));
-  MeshInMm out{std::move(read.mesh), unit.unit, {}};
+  MeshInMm out{std::move(read.mesh), unit.unit, std::move(read.objects), {}};
   if (unit.scale_to_mm != 1) {
     for (Vec3d& p : out.mesh.vertices) p *= unit.scale_to_mm;
     out.note = fmt::format("the file is in {}, the numbers are mm: {}", unit.unit, unit.reason);

@@ -3,15 +3,18 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "geometry/base/error.h"
+#include "geometry/formats/named_part.h"
 #include "geometry/mesh/mesh.h"
 
 namespace kerf {
 
 struct MeshInMm {
-  Mesh mesh;         ///< mm; not rounded to float32 where it was scaled
-  std::string unit;  ///< that of the file: chooseUnit()
+  Mesh mesh;                         ///< mm; not rounded to float32 where it was scaled
+  std::string unit;                  ///< that of the file: chooseUnit()
+  std::vector<NamedPart> objects{};  ///< MeshFile::objects
   std::string note;  ///< a sentence if it was scaled, or if the unit is doubtful; empty: mm without a doubt
 };
 

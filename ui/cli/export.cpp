@@ -29,10 +29,10 @@ struct ExportArguments {
   bool is_put_back = false, overwrites = false, json = false;
 };
 
-// A mesh, and the file or files it goes into.
+// A mesh, and the file it goes into.
 struct Output {
   std::string path;
-  Mesh mesh;
+  NamedMesh what;
 };
 
 Error noSuchPiece(const ExportArguments& a, const std::vector<PlacedPiece>& pieces) {
@@ -56,27 +56,30 @@ std::optional<std::size_t> chosenPiece(const std::string& word, const std::vecto
   return {};
 }
 
+NamedMesh namedPiece(const PlacedPiece& piece) { return {piece.mesh, objectsOf({&piece, 1})}; }
+
 // Pieces where they were moved to, unless they are put back.
 Expected<std::vector<Output>> outputsOf(const ExportArguments& a, const Export& result) {
   std::vector<Output> out;
   const bool is_moved = std::any_of(result.pieces.begin(), result.pieces.end(),
                                     [&](const RunManifest::Piece& p) { return p.isMoved() && !a.is_put_back; });
   if (a.piece.empty() && !is_moved) {
-    for (const std::string& path : a.outputs) out.push_back({path, result.post_op.mesh});
+    for (const std::string& path : a.outputs) out.push_back({path, result.names.grouped(result.post_op.mesh, path)});
     return out;
   }
 
-  auto placed = result.pieces.empty() ? Expected<std::vector<PlacedPiece>>(solidPieces(result.post_op.mesh))
-                                      : placedPieces(result.post_op.mesh, result.pieces, a.is_put_back);
+  auto placed = result.pieces.empty()
+                    ? Expected<std::vector<PlacedPiece>>(solidPieces(result.post_op.mesh, result.names))
+                    : placedPieces(result.post_op.mesh, result.pieces, a.is_put_back, result.names);
   KERF_TRY(pieces, std::move(placed));
   bool is_found = a.piece.empty() || a.piece == "all";
   const auto chosen = chosenPiece(a.piece, pieces);
   for (const std::string& path : a.outputs) {
-    if (a.piece.empty()) out.push_back({path, together(pieces)});
-    if (chosen) out.push_back({path, pieces[*chosen].mesh});
+    if (a.piece.empty()) out.push_back({path, {together(pieces), objectsOf(pieces)}});
+    if (chosen) out.push_back({path, namedPiece(pieces[*chosen])});
     if (a.piece != "all") continue;
     const auto files = filesOfPieces(path, pieces);
-    for (std::size_t n = 0; n < pieces.size(); ++n) out.push_back({files[n].string(), pieces[n].mesh});
+    for (std::size_t n = 0; n < pieces.size(); ++n) out.push_back({files[n].string(), namedPiece(pieces[n])});
   }
   is_found |= chosen.has_value();
   if (!is_found) return fail(noSuchPiece(a, pieces));
@@ -261,7 +264,8 @@ int runExport(const ExportArguments& given) {
   for (const Output& output : *outputs)
     if (const auto checked = requireWritable(a, output.path); !checked) return complain(checked.error());
   for (const Output& output : *outputs)
-    if (const auto written = writeMesh(output.path, output.mesh); !written) return complain(written.error());
+    if (const auto written = writeMesh(output.path, output.what.mesh, {.objects = output.what.objects}); !written)
+      return complain(written.error());
 
   if (a.beside == 0 && isRun(a.bundle))
     if (const auto warned = warnOfExportNeighbours(a.bundle); !warned) return complain(warned.error());

@@ -11,6 +11,7 @@
 
 #include "geometry/boolean/plane_cut.h"
 #include "geometry/case/case_bundle.h"
+#include "geometry/case/object_names.h"
 #include "geometry/formats/mesh_formats.h"
 #include "geometry/formats/mesh_writer.h"
 #include "geometry/mesh/mesh_check.h"
@@ -42,6 +43,7 @@ struct TrimArguments {
 struct Source {
   Mesh solid;
   std::optional<CaseManifest> of_case;
+  ObjectNames names;
   std::string note;
 };
 
@@ -53,6 +55,7 @@ Expected<Source> readSolidMesh(const TrimArguments& a) {
   out.note = std::move(read.note);
   if (read.unit != "mm")  // what is written is in single precision
     for (Vec3d& p : out.solid.vertices) p = p.cast<float>().cast<double>();
+  out.names = ObjectNames::ofMesh(out.solid, read.objects);
   const MeshReport report = checkMesh(out.solid);
   if (report.print_ready) return out;
   return fail(
@@ -73,6 +76,7 @@ Expected<Source> readSource(const TrimArguments& a) {
   }());
   Source out;
   out.solid = std::move(exported.post_op.mesh);
+  out.names = std::move(exported.names);
   fs::path folder = a.what;
   if (is_run) {
     KERF_TRY(of_run, caseOfRun(a.what));
@@ -281,7 +285,10 @@ Expected<void> trim(const TrimArguments& a) {
     KERF_CHECK(requireNew(a, source, output.path));
     KERF_CHECK(requireFree(output.path, a.overwrites));
   }
-  for (const TrimOutput& output : outputs) KERF_CHECK(writeMesh(output.path, output.part->mesh));
+  for (const TrimOutput& output : outputs) {
+    const NamedMesh named = source.names.grouped(output.part->mesh, output.path);
+    KERF_CHECK(writeMesh(output.path, named.mesh, {.objects = named.objects}));
+  }
   if (!source.note.empty()) printText(stderr, "kerf: {}\n", source.note);
   if (a.json)
     printJson(trimJson(cut, source, *result, outputs));

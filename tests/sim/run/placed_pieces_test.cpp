@@ -97,6 +97,36 @@ TEST(PlacedPieces, PiecesThatHangTogetherAreNotTornApart) {
   EXPECT_EQ(together(*both).triangles.size(), mesh.triangles.size());
 }
 
+TEST(PlacedPieces, HaveTheNamesOfTheirSourceUnlessAPersonNamedThem) {
+  const Mesh mesh = row();
+  const std::vector<NamedPart> objects = {{"tooth 36", 0}, {"gingiva", 12}, {"tooth 37", 24}};
+  const ObjectNames names = ObjectNames::ofMesh(mesh, objects);
+  std::vector<Piece> pieces = {pieceAt(4, {0, 0, -1}), pieceAt(7, {10, 0, -1}, turned(20, {0, 3, 5})),
+                               pieceAt(5, {20, 0, -1})};
+  pieces[2].name = "piece of mine";
+  const auto placed = placedPieces(mesh, pieces, false, names);
+  ASSERT_TRUE(placed) << placed.error().message();
+  EXPECT_EQ(objectsOf(*placed), (std::vector<NamedPart>{{"tooth 36", 0}, {"gingiva", 12}, {"piece of mine", 24}}));
+  EXPECT_EQ((*placed)[1].name, "piece 7") << "as the session calls it";
+  const auto nameless = placedPieces(mesh, std::span(pieces).first(2));
+  ASSERT_TRUE(nameless);
+  EXPECT_TRUE(objectsOf(*nameless).empty());
+}
+
+TEST(PlacedPieces, SolidsOfOneNameAreNumbered) {
+  const Mesh mesh = row();
+  const std::vector<NamedPart> objects = {{"tooth", 0}, {"piece 2", 12}, {"tooth", 24}, {"", 36}};
+  const std::vector<PlacedPiece> solids = solidPieces(mesh, ObjectNames::ofMesh(mesh, objects));
+  std::vector<std::string> of_pieces, of_objects;
+  for (const PlacedPiece& piece : solids) {
+    of_pieces.push_back(piece.name);
+    of_objects.push_back(piece.object);
+  }
+  EXPECT_EQ(of_pieces, (std::vector<std::string>{"tooth", "piece 2", "tooth 2", "piece 4"}));
+  EXPECT_EQ(of_objects, (std::vector<std::string>{"tooth", "piece 2", "tooth", ""}));
+  EXPECT_EQ(solidPieces(mesh)[3].name, "piece 4");
+}
+
 TEST(PlacedPieces, WithoutPiecesThereIsOne) {
   const auto placed = placedPieces(row(), {});
   ASSERT_TRUE(placed);
