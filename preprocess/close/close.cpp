@@ -14,6 +14,7 @@
 #include "preprocess/close/chain.h"
 #include "preprocess/close/guard.h"
 #include "preprocess/close/losses.h"
+#include "preprocess/close/made_crumbs.h"
 #include "preprocess/close/manifold.h"
 #include "preprocess/close/orient.h"
 #include "preprocess/close/pinholes.h"
@@ -201,6 +202,20 @@ void dropSpecks(Result& r, double limit_mm3, CloseReport& report) {
   report.changes.push_back(fmt::format("{} smaller than {} mm3 {} dropped, as asked ({:.3g} mm3 in all)",
                                        counted(report.specks_dropped, "piece", "pieces"), limit_mm3,
                                        report.specks_dropped == 1 ? "was" : "were", report.specks_dropped_mm3));
+}
+
+/// Drops crumbs below a thousandth of a voxel that closing made. Cutting is not all that makes them: parts that touched
+/// were moved apart, and rounding collapses edges.
+void dropMadeCrumbs(const Mesh& imported, const CloseOptions& options, Result& r, CloseReport& report) {
+  const double tenth_of_voxel = 10 * options.cleanup_length_mm;
+  const internal::MadeCrumbs crumbs = internal::findMadeCrumbs(imported, r.mesh, r.source, std::pow(tenth_of_voxel, 3));
+  if (crumbs.count == 0) return;
+  keepTriangles(r, crumbs.keep);
+  report.debris_dropped += crumbs.count;
+  report.changes.push_back(crumbs.count == 1
+                               ? fmt::format("1 crumb of {:.2g} mm3 that closing made was dropped", crumbs.volume_mm3)
+                               : fmt::format("{} crumbs that closing made were dropped ({:.2g} mm3 in all)",
+                                             crumbs.count, crumbs.volume_mm3));
 }
 
 /// Makes the surface a 2-manifold by moving apart what only touches. `fixed` follows the vertices.
@@ -650,6 +665,7 @@ Expected<Solid> closeMesh(const Mesh& imported_mm, const CloseOptions& options, 
   const CloseOptions fit = fitted(options, imported_mm, report);
   Chain chain;
   KERF_TRY(result, makeSolid(imported_mm, fit, chain, report, progress));
+  dropMadeCrumbs(imported_mm, fit, result, report);
 
   int handles = 0;
   if (report.rims_extruded > 0) {

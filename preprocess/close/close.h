@@ -92,12 +92,15 @@ struct CloseOptions {
   /// Open pieces with less than this share of the triangles and less than a tenth of it of the area are dropped: scan
   /// debris has few triangles and is small, a patch of bone meshed coarsely is not. 0 keeps them all.
   double crumb_fraction = 0.01;
-  /// Pieces that cutting created are dropped if they are smaller than this share of the volume. 0 keeps them all.
+  /// Pieces that cutting created are dropped if they are smaller than this share of the volume. 0 keeps them all, but
+  /// for crumbs; see cleanup_length_mm.
   double debris_fraction = 1e-4;
-  double drop_specks_mm3 = 0;       ///< closed pieces of the solid smaller than this are dropped; never the largest
-  double cleanup_length_mm = 1e-3;  ///< new edges shorter than this are collapsed; see cleanUpForFloat32()
-  double wrap_alpha_mm = 1.0;       ///< hollows narrower than this are bridged; below 0.3 a wrap takes minutes
-  double wrap_offset_mm = 0.05;     ///< the wrap stands off the mesh by this much
+  double drop_specks_mm3 = 0;  ///< closed pieces of the solid smaller than this are dropped; never the largest
+  /// New edges shorter than this are collapsed; see cleanUpForFloat32(). A hundredth of a voxel: closed pieces that
+  /// closing made are dropped below (10 times this)^3, a thousandth of a voxel.
+  double cleanup_length_mm = 1e-3;
+  double wrap_alpha_mm = 1.0;    ///< hollows narrower than this are bridged; below 0.3 a wrap takes minutes
+  double wrap_offset_mm = 0.05;  ///< the wrap stands off the mesh by this much
   /// A solid that is not what was scanned (more than twice or less than a quarter of its volume, more than three fifths
   /// of the vertices lost, a wrap of what encloses nothing) is made all the same, with a warning, not refused.
   bool accept_doubtful = false;
@@ -144,7 +147,7 @@ struct CloseReport {
   std::size_t triangles_added = 0;    ///< in the solid and not from any source triangle
   std::size_t triangles_flipped = 0;  ///< turned to face outwards
   std::size_t crumbs_dropped = 0;     ///< small open pieces
-  std::size_t debris_dropped = 0;     ///< small closed splinters and pockets left by cutting
+  std::size_t debris_dropped = 0;     ///< small closed splinters and pockets left by cutting, and crumbs
   std::size_t holes_filled = 0;
   std::size_t seam_vertices = 0;  ///< boundary vertices joined, or put on a boundary edge, by stitching
   std::size_t rims_extruded = 0;

@@ -5,6 +5,8 @@
 #include <numbers>
 #include <random>
 
+#include "preprocess/close/made_crumbs.h"
+#include "preprocess/unit/source_triangle.h"
 #include "tests/preprocess/solid_checks.h"
 
 namespace kerf::defects_test {
@@ -196,6 +198,90 @@ TEST(Defects, SmallPiecesThatTouchStay) {
   EXPECT_FALSE(says(s, "splinter"));
   EXPECT_EQ(edgeConnectedPieces(s.mesh).count, 41u);
   EXPECT_NEAR(signedVolume(s.mesh), 60 * 60 * 60 + 40 * 1.5 * 1.5 * 1.5, 0.1);
+}
+
+constexpr double kCrumb = 1.0 / 128;  // mm, a float32 number
+
+// A cube of 4 mm with two more vertices on an edge.
+Mesh cubeWithShortEdge() {
+  Mesh m = box(0, 4);
+  m.vertices.push_back({2, 4, 4});
+  m.vertices.push_back({2 + kCrumb, 4, 4});
+  m.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 9}, {5, 9, 8}, {5, 8, 6}, {0, 1, 4}, {1, 5, 4},
+                 {2, 6, 3}, {3, 6, 8}, {3, 8, 9}, {3, 9, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  return m;
+}
+
+// A tetrahedron of 8e-8 mm3 on that edge, or above it.
+Mesh crumb(double above) {
+  const Vec3d up(0, 0, above);
+  Mesh m;
+  m.vertices = {Vec3d(2, 4, 4) + up, Vec3d(2 + kCrumb, 4, 4) + up, Vec3d(2, 4 + kCrumb, 4) + up,
+                Vec3d(2, 4, 4 + kCrumb) + up};
+  m.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  return m;
+}
+
+// Of a scan it is one piece with the cube: they share an edge. Closing separates it.
+TEST(Defects, ACrumbThatClosingSeparatesIsDropped) {
+  const Mesh cube = cubeWithShortEdge();
+  const Solid s = closed(both(cube, crumb(0)));
+  EXPECT_EQ(edgeConnectedPieces(s.mesh).count, 1u);
+  EXPECT_TRUE(says(s, "1 crumb of "));
+  EXPECT_TRUE(says(s, " mm3 that closing made was dropped"));
+  EXPECT_EQ(lost(s, cube), 0u);
+  EXPECT_EQ(s.mesh.triangles.size(), s.source_triangle.size());
+  EXPECT_NEAR(signedVolume(s.mesh), 64, 1e-4);
+}
+
+TEST(Defects, ACrumbOfTheScansOwnStays) {
+  const Mesh m = both(cubeWithShortEdge(), crumb(1));
+  const Solid s = closed(m);
+  EXPECT_EQ(edgeConnectedPieces(s.mesh).count, 2u);
+  EXPECT_FALSE(says(s, "crumb"));
+  EXPECT_EQ(lost(s, m), 0u);
+
+  // In a file whose triangles share no vertex, and beside what has to be cut.
+  Mesh loose;
+  for (const Triangle& f : m.triangles) {
+    const auto n = static_cast<std::uint32_t>(loose.vertices.size());
+    for (const std::uint32_t v : f) loose.vertices.push_back(m.vertices[v]);
+    loose.triangles.push_back({n, n + 1, n + 2});
+  }
+  const Solid cut = closed(both(loose, box(3, 6)));
+  EXPECT_EQ(edgeConnectedPieces(cut.mesh).count, 2u);
+  EXPECT_FALSE(says(cut, "crumb"));
+}
+
+TEST(MadeCrumbs, AreThosePiecesThatTheScanDoesNotHold) {
+  const Mesh cube = cubeWithShortEdge(), solid = both(cube, crumb(1));
+  const auto triangles = static_cast<std::uint32_t>(cube.triangles.size());
+  std::vector<std::uint32_t> source(solid.triangles.size(), kAdded);
+  const auto found = [&](const Mesh& scan, double most_mm3) {
+    return internal::findMadeCrumbs(scan, solid, source, most_mm3).count;
+  };
+  EXPECT_EQ(found(cube, 1e-6), 1u) << "all of it was added";
+  EXPECT_EQ(found(cube, 1e-9), 0u) << "it is larger";
+  EXPECT_EQ(found(cube, 1e3), 1u) << "never the largest";
+  const internal::MadeCrumbs crumbs = internal::findMadeCrumbs(cube, solid, source, 1e-6);
+  EXPECT_EQ(subset(solid, crumbs.keep).vertices, cube.vertices);
+  EXPECT_NEAR(crumbs.volume_mm3, std::pow(kCrumb, 3) / 6, 1e-12);
+
+  for (std::uint32_t t = triangles; t < source.size(); ++t) source[t] = t;
+  EXPECT_EQ(found(solid, 1e-6), 0u) << "the scan's own";
+  for (std::uint32_t t = triangles; t < source.size(); ++t) source[t] = t - triangles;
+  EXPECT_EQ(found(cube, 1e-6), 1u) << "cut off a piece of the scan";
+}
+
+// A shell around the crumb holds it: without the shell alone the crumb would lie in the wrong material.
+TEST(MadeCrumbs, AShellAroundAPieceThatStaysStays) {
+  Mesh scan = crumb(1), shell = scan;
+  for (Vec3d& p : shell.vertices) p = Vec3d(2.002, 4.002, 5.002) + 3 * (p - Vec3d(2.002, 4.002, 5.002));
+  const Mesh solid = both(cubeWithShortEdge(), both(scan, shell));
+  std::vector<std::uint32_t> source(solid.triangles.size(), kAdded);
+  EXPECT_EQ(internal::findMadeCrumbs(scan, solid, source, 1e-4).count, 2u);
+  for (std::uint32_t t = 0; t < 4; ++t) source[source.size() - 8 + t] = t;
+  EXPECT_EQ(internal::findMadeCrumbs(scan, solid, source, 1e-4).count, 0u);
 }
 
 TEST(Defects, SeamMeshedDifferentlyOnEitherSideIsStitched) {

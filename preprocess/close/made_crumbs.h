@@ -1,0 +1,27 @@
+// Crumbs that closing made: closed pieces of a solid far smaller than a voxel that the scan does not hold.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "geometry/mesh/mesh.h"
+
+namespace kerf::internal {
+
+struct MadeCrumbs {
+  std::vector<char> keep;  ///< per triangle of the solid; empty if there is no crumb
+  std::size_t count = 0;
+  double volume_mm3 = 0;  ///< of all crumbs
+};
+
+/// Finds the pieces below `most_mm3`, cavities too, that closing added, cut off or separated.
+/// Exceptions: a piece of the scan's own, of which the solid has half the triangles or more; the largest piece; a piece
+/// around one that stays.
+/// @param imported  the scan, mm; may be unwelded.
+/// @param solid     closed, 2-manifold, mm.   @param source  per triangle of the solid: triangle of the scan or kAdded.
+/// @cost  O(n) without a piece that small; else that of welding the scan and sorting its edges.
+MadeCrumbs findMadeCrumbs(const Mesh& imported, const Mesh& solid, std::span<const std::uint32_t> source,
+                          double most_mm3);
+
+}  // namespace kerf::internal
