@@ -9,6 +9,7 @@
 
 #include "geometry/base/atomic_file.h"
 #include "geometry/base/hash.h"
+#include "geometry/boolean/removed_solid.h"
 #include "geometry/case/case_bundle.h"
 #include "geometry/case/case_materials.h"
 #include "geometry/field/vdb_io.h"
@@ -21,6 +22,7 @@
 #include "sim/run/run_files.h"
 #include "sim/run/run_output.h"
 #include "sim/run/sweep_cutter.h"
+#include "sim/run/thin_cut.h"
 
 namespace kerf {
 namespace {
@@ -143,6 +145,46 @@ Expected<Swept> sweepCase(const fs::path& case_folder, const CaseManifest& in_ca
   return out;
 }
 
+// ---- Cuts that no node counts
+
+// The strokes of a path, from 1, that alone take nothing from the object between its nodes.
+std::vector<std::size_t> idleBetweenNodes(const BrickField& phi0, const Pass& pass) {
+  const ToolShape& cut = *pass.tool.cut;
+  const CutPath path = mergedFor(cut, pass.path, phi0.voxel()).path;
+  std::vector<std::size_t> idle;
+  std::size_t strokes = 0;
+  std::unique_ptr<SweepCutter> stroke;
+  const auto endStroke = [&] {
+    if (stroke && sweptVolume(phi0, removedFieldFromSweep(phi0, stroke->sweep())) < kUnchanged) idle.push_back(strokes);
+    stroke.reset();
+  };
+  for (std::size_t s = 0; s + 1 < path.poses.size(); ++s) {
+    if (!path.cuts[s]) {
+      endStroke();
+      continue;
+    }
+    if (!stroke) {
+      ++strokes;
+      stroke = std::make_unique<SweepCutter>(phi0);
+    }
+    stroke->advance(SweptTool(cut, path.poses[s].T_object_tool, path.poses[s + 1].T_object_tool));
+  }
+  endStroke();
+  return idle;
+}
+
+// Where nodes count no cut the field between them decides, as it does for the export.
+// @param on_own_grid  the volumes were counted on the nodes that were swept.
+void judgeBetweenNodes(const Swept& swept, const Pass& last, bool on_own_grid, RunManifest& m) {
+  double counted_mm3 = 0;
+  for (const auto& [id, volume] : m.removed_by_material) counted_mm3 += volume;
+  const bool is_idle = m.findings.idle.size() == m.findings.strokes;
+  if (counted_mm3 >= kUnchanged || !(is_idle || on_own_grid)) return;
+  m.thin_mm3 = thinCutVolume(*swept.phi0, swept.cutter->sweep());
+  if (m.thin_mm3 < kUnchanged) m.thin_mm3 = 0;
+  if (m.thin_mm3 > 0 && is_idle) m.findings.idle = idleBetweenNodes(*swept.phi0, last);
+}
+
 // What no other file of the run says: volumes, and what the object is in now.
 Expected<void> writeSummary(const fs::path& file, const CaseManifest& in_case, const Swept& swept) {
   std::map<std::string, double> loaded;
@@ -261,6 +303,7 @@ Expected<RunManifest> cutFrom(Begin begin, const fs::path& tool_file, const fs::
   if (!begin.cuts.empty() && begin.voxel_mm < m.voxel_mm) m.finer_before_mm = begin.voxel_mm;
   m.removed_by_material = swept.removed_by_material;
   m.findings = swept.findings;
+  judgeBetweenNodes(swept, begin.passes.back(), m.voxel_mm == in_case.voxel_mm, m);
   m.merged_motions = swept.merged_motions;
   m.swept_motions = swept.swept_motions;
   m.merge_tolerance_mm = kMergeTolerance * m.voxel_mm;

@@ -11,8 +11,10 @@ namespace kerf {
 
 /// A stroke is what a path cuts without a break, counted from 1.
 struct PathFindings {
-  std::size_t strokes = 0;        ///< that were begun
-  std::vector<std::size_t> idle;  ///< those of them that changed nothing
+  std::size_t strokes = 0;  ///< that were begun
+  /// Strokes that took less than a tenth of a voxel off every node. Exception: a geometry cut that no node counts is
+  /// judged between the nodes (sim/run/thin_cut.h), each stroke by itself.
+  std::vector<std::size_t> idle;
   std::optional<Vec3d>
       comes_out_at;  ///< mm, where the tip first came out of the object on the side away from the shank
 };

@@ -102,6 +102,9 @@ struct RunManifest {
   double merge_tolerance_mm = 0;
   /// Not stored. Of a geometry cut.
   PathFindings findings;
+  /// Not stored. Of a geometry cut that no node counts: about the volume that the exported mesh lacks, mm^3
+  /// (sim/run/thin_cut.h).
+  double thin_mm3 = 0;
   /// Not stored. Pieces of the run it goes on from that were not found again, and so are where they were loaded.
   std::vector<std::string> missing_pieces;
   /// Not stored. Pieces of that run of which this one left nothing.

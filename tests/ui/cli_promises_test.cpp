@@ -191,7 +191,7 @@ TEST_F(CliPromises, StrokesThatAddMaterialAreCountedAndThoseForNothingAreTold) {
   EXPECT_TRUE(summary["comes_out_at_mm"].is_null());
 }
 
-// Voxels of 0.5 mm see no scratch of 0.04 mm; those of 0.05 mm around it do. The last stroke stays above the box.
+// Voxels of 0.5 mm count no scratch of 0.04 mm; those of 0.05 mm around it do. The last stroke stays above the box.
 TEST_F(CliPromises, AStrokeWithinAFineRegionIsJudgedByItsVoxels) {
   makeCase();
   const auto path = [](double depth) {
@@ -215,8 +215,43 @@ TEST_F(CliPromises, AStrokeWithinAFineRegionIsJudgedByItsVoxels) {
     const json j = json::parse(o.out);
     EXPECT_EQ(j["voxel_mm"], is_fine ? 0.05 : 0.5);
     EXPECT_EQ(j["strokes"], 2);
-    EXPECT_EQ(j["idle_strokes"], is_fine ? json::array({2}) : json::array({1, 2})) << o.err;
-    EXPECT_EQ(o.err.find("nothing was changed") != o.err.npos, !is_fine) << o.err;
+    EXPECT_EQ(j["idle_strokes"], json::array({2})) << o.err;
+    EXPECT_EQ(o.err.find("nothing was changed"), o.err.npos) << o.err;
+    EXPECT_EQ(o.err.find("thinner than the voxels") != o.err.npos, !is_fine) << o.err;
+  }
+}
+
+// The export goes by the field between the nodes, and so does the warning.
+TEST_F(CliPromises, ACutBetweenTheNodesIsWarnedOfAsThin) {
+  makeCase();
+  ASSERT_EQ(runKerf({"bake", at("box.off"), "--unit", "mm", "-o", at("coarse.case"), "--voxel", "0.5"}).exit_code, 0);
+  struct Scratch {
+    double x, y, depth, length;
+    bool is_thin;
+  };
+  // Beside a row of nodes and midway between two; the last is smaller than a voxel.
+  for (const auto& [x, y, depth, length, is_thin] :
+       {Scratch{-2.5, 0.3, 0.04, 5, true}, {-2.5, 0.25, 0.09, 5, true}, {-0.02, 0.3, 0.04, 0.05, false}}) {
+    SCOPED_TRACE(fmt::format("y {}, {} mm deep, {} mm long", y, depth, length));
+    folder_.write(
+        "scratch.toml",
+        fmt::format("format = \"kerf-path\"\nversion = 1\nframe = \"object\"\nfeed = 4.0\n[start]\nposition = "
+                    "[{}, {}, {}]\naxis = [0, 0, 1]\n[[stroke]]\nkind = \"line\"\nby = [{}, 0, 0]\n",
+                    x, y, -depth, length));
+    const Outcome o = runKerf({"cut", at("coarse.case"), "--tool", "round-005", "--path", at("scratch.toml"), "-o",
+                               at("thin.run"), "--overwrite", "--json"});
+    ASSERT_EQ(o.exit_code, 0) << o.err;
+    const json cut = json::parse(o.out);
+    EXPECT_LT(cut["removed_mm3"].get<double>(), 1e-6);
+    EXPECT_EQ(o.err.find("the cut is thinner than the voxels: about ") != o.err.npos, is_thin) << o.err;
+    EXPECT_EQ(o.err.find("nothing was changed") != o.err.npos, !is_thin) << o.err;
+    EXPECT_EQ(o.err.find("stroke 1 of 1 removed nothing") != o.err.npos, !is_thin) << o.err;
+
+    const Outcome mesh = runKerf({"export", at("thin.run"), "-o", at("thin.stl"), "--overwrite", "--json"});
+    ASSERT_EQ(mesh.exit_code, 0) << mesh.err;
+    const double about = cut["thinner_than_voxels_mm3"], removed = json::parse(mesh.out)["removed_volume_mm3"];
+    EXPECT_EQ(removed > 1e-6, is_thin) << removed;
+    EXPECT_NEAR(about, removed, 0.25 * removed + 1e-9);
   }
 }
 

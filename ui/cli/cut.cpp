@@ -15,6 +15,7 @@
 #include "sim/run/geometry_cut.h"
 #include "sim/run/haptic_cut.h"
 #include "sim/run/small_cut.h"
+#include "sim/run/thin_cut.h"
 #include "sim/run/tool_resolution.h"
 #include "sim/step/response.h"
 #include "ui/cli/command.h"
@@ -264,8 +265,6 @@ void warnOfFeed(const CutArguments& a, const HapticSummary& s) {
               100 * s.reached_mm3 / s.planned_mm3);
 }
 
-constexpr double kUnchanged = 1e-6;  // mm^3
-
 void warnOfSmallCut(double removed_mm3, double voxel_mm) {
   if (const auto small = smallCut(removed_mm3, voxel_mm)) printText(stderr, "kerf: WARNING: {}\n", *small);
 }
@@ -377,7 +376,13 @@ int runGeometry(const CutArguments& a, const std::filesystem::path& tool) {
   for (const auto& [id, volume] : m->removed_by_material) removed += volume;
   // Volumes are counted on the object's own voxels, strokes on those of a fine region where one was cut.
   const bool all_idle = m->findings.idle.size() == m->findings.strokes;
-  warnOfTool(a, tool, m->voxel_mm, removed < kUnchanged && all_idle);
+  const bool is_thin = m->thin_mm3 > 0;
+  warnOfTool(a, tool, m->voxel_mm, removed < kUnchanged && all_idle && !is_thin);
+  if (is_thin)
+    printText(stderr,
+              "kerf: WARNING: the cut is thinner than the voxels: about {:.2g} mm3 go from the exported mesh, none is "
+              "counted here; bake with smaller voxels\n",
+              m->thin_mm3);
   tell(m->findings, false);
   warnOfSmallCut(removed, m->voxel_mm);
   const auto& out_at = m->findings.comes_out_at;
@@ -386,6 +391,7 @@ int runGeometry(const CutArguments& a, const std::filesystem::path& tool) {
         {"tool", m->tool_id},
         {"removed_mm3", removed},
         {"removed_by_material_mm3", m->removed_by_material},
+        {"thinner_than_voxels_mm3", m->thin_mm3},
         {"segments", m->segments},
         {"path_length_mm", m->path_length_mm},
         {"earlier_cuts", m->earlier.size()},
