@@ -90,10 +90,9 @@ ObjectNames ObjectNames::ofMesh(const Mesh& mesh, std::span<const NamedPart> obj
 }
 
 std::uint32_t ObjectNames::numberOf(const std::string& name) {
-  const auto known = std::find(names_.begin(), names_.end(), name);
-  if (known == names_.end()) names_.push_back(name);
-  return static_cast<std::uint32_t>(known == names_.end() ? names_.size() - 1
-                                                          : static_cast<std::size_t>(known - names_.begin()));
+  const auto known = static_cast<std::size_t>(std::find(names_.begin(), names_.end(), name) - names_.begin());
+  if (known == names_.size()) names_.push_back(name);
+  return static_cast<std::uint32_t>(known);
 }
 
 void ObjectNames::add(const Mesh& mesh, double scale_to_mm, std::span<const NamedPart> objects) {
