@@ -14,7 +14,7 @@ class CliNames : public Cli {
                                  {3, 7, 4}, {4, 7, 8}, {1, 5, 3}, {3, 5, 7}, {2, 4, 6}, {4, 8, 6}};
     std::string out;
     for (std::size_t n = 0; n < names.size(); ++n) {
-      const double size = 1 - 0.1 * static_cast<double>(n);
+      const double size = 1 - 0.125 * static_cast<double>(n);  // exact in float32
       out += "o " + names[n] + "\n";
       for (int c = 0; c < 8; ++c)
         out += fmt::format("v {} {} {}\n", 10.0 * static_cast<double>(n) + size * (c & 1 ? 3 : -3),
