@@ -74,9 +74,11 @@ ObjectNames ObjectNames::ofCase(const std::filesystem::path& folder, const CaseM
   bool is_all = true;
   for (const CaseSource& source : manifest.sources) {
     const std::filesystem::path file = folder / source.stored_as;
-    is_all &= canHoldNames(source);
-    if (!canHoldNames(source) || !requireSha256(file, source.sha256, "")) continue;
-    if (const auto read = readMesh(file)) out.add(read->mesh, source.scale_to_mm, read->objects);
+    const auto read = canHoldNames(source) && requireSha256(file, source.sha256, "")
+                          ? readMesh(file)
+                          : Expected<MeshFile>(fail({.code = Error::Code::kUnsupported}));
+    is_all &= read.has_value();
+    if (read) out.add(read->mesh, source.scale_to_mm, read->objects);
   }
   out.finish(is_all);
   return out;
@@ -134,6 +136,12 @@ std::uint32_t ObjectNames::nameAt(const Vec3d& p) const {
   return at != vertices_.end() && at->place == wanted.place ? at->name : kNowhere;
 }
 
+NamedMesh ObjectNames::grouped(const Mesh& mesh, const std::filesystem::path& file) const {
+  const MeshFormatRow* const format = formatOfExtension(file.extension().string());
+  if (format != nullptr && format->carries.object_names) return grouped(mesh);
+  return {mesh, {}};
+}
+
 std::string ObjectNames::nameOf(const Mesh& mesh) const {
   if (isEmpty() || name_of_all_ > 0) return names_[name_of_all_];
   std::vector<std::uint32_t> name_of(mesh.vertices.size());
@@ -145,13 +153,11 @@ std::string ObjectNames::nameOf(const Mesh& mesh) const {
   return names_[mostOf(votes)];
 }
 
-NamedMesh ObjectNames::grouped(const Mesh& mesh, const std::filesystem::path& file) const {
+NamedMesh ObjectNames::grouped(const Mesh& mesh) const {
   NamedMesh out;
-  const MeshFormatRow* const format = formatOfExtension(file.extension().string());
-  const bool holds_names = format != nullptr && format->carries.object_names;
-  if (isEmpty() || name_of_all_ > 0 || !holds_names || mesh.triangles.empty()) {
+  if (isEmpty() || name_of_all_ > 0 || mesh.triangles.empty()) {
     out.mesh = mesh;
-    if (name_of_all_ > 0 && holds_names) out.objects.push_back({names_[name_of_all_], 0});
+    if (name_of_all_ > 0) out.objects.push_back({names_[name_of_all_], 0});
     return out;
   }
 

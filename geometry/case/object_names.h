@@ -1,7 +1,7 @@
-// Names that the objects of a case had in its files ("tooth 36"), and which of them what is left of it goes by.
+// Names of the objects in the source files of a case ("tooth 36"), for its pieces and exports.
 //
 // The names are read from the sources, which a case keeps byte for byte: a case of any age has them. A vertex that is
-// neither cut nor moved keeps its bits, and so tells of which object it is.
+// neither cut nor moved keeps its bits: its place in the source gives its object.
 #pragma once
 
 #include <array>
@@ -27,8 +27,8 @@ struct NamedMesh {
 class ObjectNames {
  public:
   ObjectNames() = default;
-  /// Of the OBJ and 3MF files among the sources. One that is not as it was stored, or that cannot be read, has no
-  /// names: nothing fails without them.   @cost  reads these files.
+  /// Of the OBJ and 3MF files among the sources. A file that changed, or that Kerf cannot read, has no names: nothing
+  /// fails without them.   @cost  reads these files.
   static ObjectNames ofCase(const std::filesystem::path& folder, const CaseManifest& manifest);
   /// Of one mesh, mm.
   static ObjectNames ofMesh(const Mesh& mesh, std::span<const NamedPart> objects);
@@ -36,10 +36,11 @@ class ObjectNames {
   bool isEmpty() const { return names_.size() < 2; }
   /// The name of the object of which most triangles are, by their corners; empty: of one without a name, or of none.
   std::string nameOf(const Mesh& mesh) const;
-  /// The mesh as it goes into a file: each solid under the name of nameOf(). Solids of several names stand one name
-  /// after the other, those without one first, and otherwise in their order. A format without names, and a mesh of one
-  /// name: not reordered.   @param file  its extension is the format.
+  /// The mesh with each solid under the name of nameOf(). Solids of several names stand one name after the other, those
+  /// without a name first, and otherwise in their order. A mesh of one name keeps its order.
   /// @pre closed.   @cost  as solidsOf().
+  NamedMesh grouped(const Mesh& mesh) const;
+  /// The same for a file; as it is if the format holds no names.   @param file  its extension is the format.
   NamedMesh grouped(const Mesh& mesh, const std::filesystem::path& file) const;
 
  private:
@@ -56,7 +57,7 @@ class ObjectNames {
 
   std::vector<std::string> names_{""};
   std::vector<Vertex> vertices_;   // sorted; a place that two objects share is in none
-  std::uint32_t name_of_all_ = 0;  // all that there is has this name; 0: there are several, or some without
+  std::uint32_t name_of_all_ = 0;  // the only name, of all objects; 0: there are several, or some without
   bool has_unnamed_ = false;
 };
 

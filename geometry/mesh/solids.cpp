@@ -76,6 +76,33 @@ Solids solidsOf(const Mesh& mesh) {
   return out;
 }
 
+std::vector<Mesh> separated(const Mesh& mesh, const Solids& solids) {
+  std::vector<std::vector<std::uint32_t>> triangles(solids.count);
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) triangles[solids.label[t]].push_back(t);
+
+  std::vector<Mesh> out(solids.count);
+  std::vector<std::uint32_t> index(mesh.vertices.size()), used;
+  for (std::uint32_t n = 0; n < solids.count; ++n) {
+    Mesh& part = out[n];
+    used.clear();
+    for (const std::uint32_t t : triangles[n])
+      used.insert(used.end(), mesh.triangles[t].begin(), mesh.triangles[t].end());
+    std::sort(used.begin(), used.end());
+    used.erase(std::unique(used.begin(), used.end()), used.end());
+    for (const std::uint32_t v : used) {
+      index[v] = static_cast<std::uint32_t>(part.vertices.size());
+      part.vertices.push_back(mesh.vertices[v]);
+      if (mesh.hasVertexColors()) part.vertex_colors.push_back(mesh.vertex_colors[v]);
+    }
+    for (const std::uint32_t t : triangles[n]) {
+      const Triangle& f = mesh.triangles[t];
+      part.triangles.push_back({index[f[0]], index[f[1]], index[f[2]]});
+      if (mesh.hasFaceColors()) part.face_colors.push_back(mesh.face_colors[t]);
+    }
+  }
+  return out;
+}
+
 PieceCount countPieces(std::span<const double> volumes_mm3) {
   PieceCount out;
   const double largest = volumes_mm3.empty() ? 0 : *std::max_element(volumes_mm3.begin(), volumes_mm3.end());

@@ -20,6 +20,9 @@ struct Solids {
 /// @pre closed, each shell outward or, a cavity, inward.   @cost  O(n), and 30 ns a triangle for each cavity.
 Solids solidsOf(const Mesh& mesh);
 
+/// The solids one by one, each as subset() gives it.   @cost  O(n log n).
+std::vector<Mesh> separated(const Mesh& mesh, const Solids& solids);
+
 inline constexpr double kLargestSpeck = 1;       ///< mm3
 inline constexpr double kSpeckOfLargest = 0.01;  ///< of the largest piece's volume
 

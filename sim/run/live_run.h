@@ -83,7 +83,7 @@ struct SceneCopy {
 
 struct LiveResult {
   PostOpMesh post_op;                      ///< all pieces where they were loaded
-  std::vector<RunManifest::Piece> pieces;  ///< for placedPieces(); none: one object, which was not moved
+  std::vector<RunManifest::Piece> pieces;  ///< for placedPieces(); none: one object, neither moved nor named
 };
 
 /// What stands beside the object that is worked on, as loaded.

@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "geometry/base/hash.h"
+#include "geometry/base/text.h"
 #include "geometry/field/brick_field.h"
 #include "geometry/mesh/self_intersection.h"
 #include "geometry/mesh/solids.h"
@@ -129,13 +130,6 @@ Expected<std::vector<std::uint32_t>> ownersOf(const Mesh& mesh, const Solids& so
   return owner;
 }
 
-// Other than the numbers that sessions give.
-bool isNamedByPerson(const RunManifest::Piece& piece) {
-  constexpr std::string_view kGiven = "piece ";
-  if (!piece.name.starts_with(kGiven)) return !piece.name.empty();
-  return piece.name.find_first_not_of("0123456789", kGiven.size()) != piece.name.npos;
-}
-
 bool crossesItself(const Mesh& mesh) { return !selfIntersections(mesh.vertices, mesh.triangles, 1).empty(); }
 
 Expected<Mesh> moved(const Mesh& mesh, const RunManifest::Piece& piece) {
@@ -155,13 +149,45 @@ Expected<Mesh> moved(const Mesh& mesh, const RunManifest::Piece& piece) {
                .hint = "turn it by a tenth of a degree more, or put it back"});
 }
 
+// Its triangles become the piece's, under their names.
+void setMesh(PlacedPiece& piece, NamedMesh named) {
+  piece.mesh = std::move(named.mesh);
+  piece.objects = std::move(named.objects);
+}
+
+// Names of which none is there twice: the second "tooth" is "tooth 2".
+class UnusedNames {
+ public:
+  std::string take(const std::string& name, std::string_view between = " ") {
+    std::string out = name;
+    for (int& n = next_.try_emplace(name, 2).first->second; !taken_.insert(out).second; ++n)
+      out = fmt::format("{}{}{}", name, between, n);
+    return out;
+  }
+
+ private:
+  std::set<std::string> taken_;
+  std::map<std::string, int> next_;
+};
+
+std::string lowered(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
 }  // namespace
+
+bool isNamedByUser(const RunManifest::Piece& piece) {
+  constexpr std::string_view kGiven = "piece ";
+  if (!piece.name.starts_with(kGiven)) return !piece.name.empty();
+  return piece.name.find_first_not_of("0123456789", kGiven.size()) != piece.name.npos;
+}
 
 Expected<std::vector<PlacedPiece>> placedPieces(const Mesh& mesh, std::span<const RunManifest::Piece> pieces,
                                                 bool is_put_back, const ObjectNames& names) {
   std::vector<PlacedPiece> out;
   if (pieces.empty()) {
-    out.push_back({0, "piece 1", false, mesh, names.nameOf(mesh)});
+    setMesh(out.emplace_back(PlacedPiece{.name = "piece 1"}), names.grouped(mesh));
     return out;
   }
   const Solids solids = solidsOf(mesh);
@@ -172,7 +198,10 @@ Expected<std::vector<PlacedPiece>> placedPieces(const Mesh& mesh, std::span<cons
     for (std::size_t t = 0; t < is_kept.size(); ++t) is_kept[t] = owner[solids.label[t]] == n;
     PlacedPiece placed{pieces[n].id, pieces[n].name, !is_put_back && pieces[n].isMoved(), subset(mesh, is_kept), {}};
     if (placed.mesh.triangles.empty()) continue;
-    placed.object = isNamedByPerson(pieces[n]) ? pieces[n].name : names.nameOf(placed.mesh);
+    if (isNamedByUser(pieces[n]))
+      placed.objects.push_back({pieces[n].name, 0});
+    else
+      setMesh(placed, names.grouped(placed.mesh));
     if (placed.is_moved) {
       KERF_TRY(there, moved(placed.mesh, pieces[n]));
       placed.mesh = std::move(there);
@@ -183,43 +212,49 @@ Expected<std::vector<PlacedPiece>> placedPieces(const Mesh& mesh, std::span<cons
 }
 
 std::vector<PlacedPiece> solidPieces(const Mesh& mesh, const ObjectNames& names) {
-  const Solids solids = solidsOf(mesh);
   std::vector<PlacedPiece> out;
-  for (std::uint32_t n = 0; n < solids.count; ++n) {
-    std::vector<char> is_kept(mesh.triangles.size());
-    for (std::size_t t = 0; t < is_kept.size(); ++t) is_kept[t] = solids.label[t] == n;
-    out.push_back({0, "", false, subset(mesh, is_kept), {}});
-    out.back().object = names.nameOf(out.back().mesh);
+  for (Mesh& part : separated(mesh, solidsOf(mesh))) {
+    std::string name = names.nameOf(part);
+    out.push_back({0, std::move(name), false, std::move(part), {}});
   }
   std::stable_sort(out.begin(), out.end(),
                    [](const auto& a, const auto& b) { return signedVolume(a.mesh) > signedVolume(b.mesh); });
-  std::set<std::string> taken;
+  UnusedNames unused;
   for (std::size_t n = 0; n < out.size(); ++n) {
-    out[n].name = out[n].object.empty() ? fmt::format("piece {}", n + 1) : out[n].object;
-    for (int again = 2; !taken.insert(out[n].name).second; ++again)
-      out[n].name = fmt::format("{} {}", out[n].object.empty() ? fmt::format("piece {}", n + 1) : out[n].object, again);
+    PlacedPiece& piece = out[n];
+    if (!piece.name.empty()) piece.objects.push_back({piece.name, 0});
+    piece.name = unused.take(piece.name.empty() ? fmt::format("piece {}", n + 1) : piece.name);
   }
   return out;
 }
 
 std::vector<std::filesystem::path> filesOfPieces(const std::filesystem::path& file,
                                                  std::span<const PlacedPiece> pieces) {
-  constexpr std::size_t kMostLetters = 60;
-  std::vector<std::filesystem::path> out;
-  std::set<std::string> taken;
-  for (const PlacedPiece& piece : pieces) {
-    std::string name, small;
-    for (const char letter : piece.name.substr(0, kMostLetters))
-      name += std::isalnum(static_cast<unsigned char>(letter)) || letter == '_' ? letter : '-';
-    for (int n = 1;; ++n) {
-      const std::string numbered = n == 1 ? name : fmt::format("{}-{}", name, n);
-      small = numbered;
-      for (char& c : small) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-      if (!taken.insert(small).second) continue;
-      out.push_back(file);
-      out.back().replace_filename(fmt::format("{}-{}{}", file.stem().string(), numbered, file.extension().string()));
-      break;
+  constexpr std::size_t kMostBytes = 60;
+  // Not the marks of U+2000 to U+206F, which turn the direction of text or have no width.
+  const auto isLetter = [](std::string_view letter) {
+    const auto byte = [&](std::size_t n) { return static_cast<unsigned char>(letter[n]); };
+    if (letter.size() > 1) return byte(0) != 0xe2 || byte(1) > 0x81;
+    return std::isalnum(byte(0)) || letter[0] == '_';
+  };
+  const auto fileName = [&](const std::string& piece) {
+    const std::string utf8 = printable(piece);
+    std::string name;
+    for (std::size_t at = 0; at < utf8.size();) {
+      const std::string letter = utf8.substr(at, utf8Length(utf8, at));
+      if (name.size() + letter.size() > kMostBytes) break;
+      name += isLetter(letter) ? letter : "-";
+      at += letter.size();
     }
+    return name;
+  };
+  std::vector<std::filesystem::path> out;
+  UnusedNames unused;
+  for (const PlacedPiece& piece : pieces) {
+    const std::string name = fileName(piece.name);
+    const std::string numbered = name + unused.take(lowered(name), "-").substr(name.size());
+    out.push_back(file);
+    out.back().replace_filename(fmt::format("{}-{}{}", file.stem().string(), numbered, file.extension().string()));
   }
   return out;
 }
@@ -250,7 +285,8 @@ std::vector<NamedPart> objectsOf(std::span<const PlacedPiece> pieces) {
   std::vector<NamedPart> out;
   std::size_t first = 0;
   for (const PlacedPiece& piece : pieces) {
-    out.push_back({piece.object, first});
+    if (piece.objects.empty()) out.push_back({"", first});
+    for (const NamedPart& object : piece.objects) out.push_back({object.name, first + object.first_triangle});
     first += piece.mesh.triangles.size();
   }
   const auto is_named = [](const NamedPart& part) { return !part.name.empty(); };

@@ -19,9 +19,13 @@ struct PlacedPiece {
   std::uint32_t id = 0;  ///< RunManifest::Piece::id
   std::string name;
   bool is_moved = false;
-  Mesh mesh;             ///< closed; of one that is not moved every vertex is that of the whole, bit for bit
-  std::string object{};  ///< its name in a file that holds names: as a person called it, or as its source did; or empty
+  Mesh mesh;  ///< closed; of one that is not moved every vertex is that of the whole, bit for bit
+  /// For a file that holds names: the name that the user gave, or the names of its solids in the source. Empty: none.
+  std::vector<NamedPart> objects{};
 };
+
+/// True if the user named the piece: a session calls it "piece 2".
+bool isNamedByUser(const RunManifest::Piece& piece);
 
 /// Takes a mesh apart into the pieces of a run.
 ///
@@ -31,7 +35,8 @@ struct PlacedPiece {
 /// hundred-thousandths of a millimetre until it does not.
 /// @param mesh  of postOperativeMesh(): all pieces where they were loaded.
 /// @param is_put_back  leaves all where they were loaded.
-/// @param names  of the case, for PlacedPiece::object.
+/// @param names  of the case, for PlacedPiece::objects. Solids of several names in a piece stand one name after the
+///   other.
 /// @return  in the order of `pieces`; without those that were dropped as crumbs.
 /// Error kGeometry: two pieces hang together in the mesh, and one was moved; or a piece crosses itself wherever it is.
 /// @cost  30 ns a triangle and piece, and the search for crossings of what was moved.
@@ -43,8 +48,8 @@ Expected<std::vector<PlacedPiece>> placedPieces(const Mesh& mesh, std::span<cons
 /// @cost  as solidsOf().
 std::vector<PlacedPiece> solidPieces(const Mesh& mesh, const ObjectNames& names = {});
 
-/// A file for each: NAME-PIECE.stl of NAME.stl; what a file name should not hold becomes "-", a long name is cut, and
-/// what would be the same file, also where capitals do not count, gets a number.
+/// A file for each: NAME-PIECE.stl of NAME.stl. Letters of any script, digits and "_" stay, all else becomes "-". A
+/// long name is cut. A second file of the same name, also where capitals do not count, gets a number.
 std::vector<std::filesystem::path> filesOfPieces(const std::filesystem::path& file,
                                                  std::span<const PlacedPiece> pieces);
 
@@ -54,7 +59,7 @@ Expected<void> requireNoSource(const std::filesystem::path& file, const CaseMani
 
 /// All in one mesh. Without a moved piece that is the mesh they were taken from, but for the order of its parts.
 Mesh together(std::span<const PlacedPiece> pieces);
-/// The pieces as the objects of that mesh; empty if none has a name of its own.
+/// The named objects of that mesh; empty if none has a name.
 std::vector<NamedPart> objectsOf(std::span<const PlacedPiece> pieces);
 
 }  // namespace kerf

@@ -235,7 +235,16 @@ Expected<void> internal::writeEnd(const fs::path& run_folder, const Session& ses
   // Rounding must not make a manifest that its reader refuses. One that has ended counts these already.
   for (std::size_t n = 0; manifest.is_open && n < manifest.beside.size(); ++n)
     manifest.beside[n].removed_mm3 = std::max(manifest.beside[n].removed_mm3 + others.removed_mm3[n], 0.0);
-  manifest.pieces = is_in_pieces ? internal::piecesOf(objects, fields, labels) : std::vector<RunManifest::Piece>{};
+  const auto is_named = [&](const CutObject* object) {
+    const auto label = labels.find(object->id);
+    return label != labels.end() && !label->second.name.empty();
+  };
+  if (is_in_pieces)
+    manifest.pieces = internal::piecesOf(objects, fields, labels);
+  else if (is_named(objects.front()))
+    manifest.pieces = internal::piecesOf(objects, internal::fieldsOf(objects), labels);
+  else
+    manifest.pieces.clear();
   manifest.duration_s = static_cast<double>(session.state().tick) * kTick;
   manifest.state_hash = fmt::format("{:016x}", session.hash());
   manifest.is_open = false;

@@ -64,6 +64,27 @@ TEST_F(CliNames, NamePiecesAndTheirFiles) {
   EXPECT_EQ(contentOf(at("chosen.obj")), contentOf(at("out-gingiva.obj")));
 }
 
+// Tooth numbers are names, and "all" may be one.
+TEST_F(CliNames, ThatAreNumbersOrAllChooseNoOtherPiece) {
+  folder_.write("row.obj", boxes({"all", "1", "3"}));
+  bakes("row.obj", "row.case");
+  const auto exports = [&](const std::string& piece) {
+    return runKerf({"export", at("row.case"), "--piece", piece, "-o", at("one.obj"), "--overwrite"});
+  };
+  const Outcome two_fit = exports("1");
+  EXPECT_NE(two_fit.exit_code, 0);
+  EXPECT_NE(two_fit.err.find("the number of one piece and the name of another"), two_fit.err.npos) << two_fit.err;
+  for (const char* const piece : {"2", "3"}) {
+    const Outcome one = exports(piece);
+    ASSERT_EQ(one.exit_code, 0) << one.err;
+    EXPECT_EQ(objects("one.obj"), Names{piece == std::string("2") ? "1" : "3"});
+  }
+  std::filesystem::remove(at("one.obj"));
+  ASSERT_EQ(exports("all").exit_code, 0);
+  EXPECT_FALSE(std::filesystem::exists(at("one.obj")));
+  EXPECT_EQ(objects("one-all.obj"), Names{"all"});
+}
+
 TEST_F(CliNames, OutliveACutAndATrim) {
   folder_.write("row.obj", boxes({"tooth 36", "gingiva"}));
   folder_.write("groove.csv", groove());

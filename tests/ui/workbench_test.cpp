@@ -381,6 +381,23 @@ TEST_F(WorkbenchTest, WhatIsExportedHasTheNamesOfItsScan) {
   const auto back = readMesh(out);
   ASSERT_TRUE(back) << back.error().message();
   EXPECT_EQ(back->objects, (std::vector<NamedPart>{{"tooth 36", 0}, {"gingiva", 12}}));
+
+  // Moved, the solids keep theirs. A name that the user gives goes before.
+  std::string script = "file.open \"" + in.string() + "\"\nwait\n";
+  const auto exportAfter = [&](const std::string& act) {
+    const fs::path file = folder_.path() / fmt::format("{}.3mf", act.substr(6, 4));
+    script += act + "\nwait\nfile.export \"" + file.string() + "\"\nwait\n";
+    return file;
+  };
+  const fs::path moved = exportAfter("piece.choose 1\npiece.move 5 0 0"), named = exportAfter("piece.rename Bridge"),
+                 undone = exportAfter("piece.put-back");
+  const auto again = play(script);
+  ASSERT_TRUE(again) << again.error().message() << allNotices();
+  const auto objectsIn = [](const fs::path& file) { return readMesh(file).value_or(MeshFile{}).objects; };
+  const std::vector<NamedPart> bridge{{"Bridge", 0}};
+  EXPECT_EQ(objectsIn(moved), back->objects);
+  EXPECT_EQ(objectsIn(named), bridge);
+  EXPECT_EQ(objectsIn(undone), bridge) << "also where it was not moved";
 }
 
 TEST_F(WorkbenchTest, TheScanThatWasOpenedIsNeverWrittenOver) {

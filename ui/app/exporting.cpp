@@ -69,9 +69,10 @@ ExportPart partOfPiece(PlacedPiece& piece) {
 Expected<std::vector<ExportPart>> partsOfExport(LiveResult& result, const SceneCopy& scene, const ExportChoice& choice,
                                                 const ObjectNames& names) {
   std::vector<ExportPart> out;
-  const bool is_moved = std::any_of(result.pieces.begin(), result.pieces.end(),
-                                    [&](const auto& piece) { return piece.isMoved() && !choice.is_put_back; });
-  if (!choice.is_each && !choice.only && !is_moved) {
+  const bool is_as_in_case = std::none_of(result.pieces.begin(), result.pieces.end(), [&](const auto& piece) {
+    return isNamedByUser(piece) || (piece.isMoved() && !choice.is_put_back);
+  });
+  if (!choice.is_each && !choice.only && is_as_in_case) {
     out.push_back(partOfExport("", std::move(result.post_op.mesh)));
     return out;
   }

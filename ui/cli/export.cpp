@@ -4,7 +4,6 @@
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
 
 #include "geometry/case/case_bundle.h"
 #include "geometry/formats/mesh_formats.h"
@@ -35,25 +34,36 @@ struct Output {
   NamedMesh what;
 };
 
-Error noSuchPiece(const ExportArguments& a, const std::vector<PlacedPiece>& pieces) {
+std::string listOf(const std::vector<PlacedPiece>& pieces) {
+  constexpr std::size_t kMost = 40;
   std::string names;
-  for (std::size_t n = 0; n < pieces.size(); ++n)
+  for (std::size_t n = 0; n < std::min(kMost, pieces.size()); ++n)
     names += fmt::format("{}{} ({})", n ? ", " : "", n + 1, pieces[n].name);
+  return pieces.size() > kMost ? fmt::format("{} and {} more", names, pieces.size() - kMost) : names;
+}
+
+Error noSuchPiece(const ExportArguments& a, const std::vector<PlacedPiece>& pieces) {
   return {.code = Error::Code::kNotFound,
           .file = a.bundle,
           .place = "--piece",
           .found = "\"" + a.piece + "\"",
-          .expected = "all, or one of " + names,
-          .hint = "kerf info " + a.bundle};
+          .expected = "all, or one of " + listOf(pieces),
+          .hint = "its number or its name"};
 }
 
-// A number goes before a name.
-std::optional<std::size_t> chosenPiece(const std::string& word, const std::vector<PlacedPiece>& pieces) {
+// By its number or its name. Teeth have numbers for names: one piece must fit.
+Expected<std::size_t> chosenPiece(const ExportArguments& a, const std::vector<PlacedPiece>& pieces) {
+  std::vector<std::size_t> fit;
   for (std::size_t n = 0; n < pieces.size(); ++n)
-    if (word == std::to_string(n + 1)) return n;
-  for (std::size_t n = 0; n < pieces.size(); ++n)
-    if (word == pieces[n].name) return n;
-  return {};
+    if (a.piece == std::to_string(n + 1) || a.piece == pieces[n].name) fit.push_back(n);
+  if (fit.empty()) return fail(noSuchPiece(a, pieces));
+  if (fit.size() == 1) return fit[0];
+  return fail({.code = Error::Code::kBadValue,
+               .file = a.bundle,
+               .place = "--piece",
+               .found = fmt::format("\"{}\", the number of one piece and the name of another", a.piece),
+               .expected = "a word for one piece of " + listOf(pieces),
+               .hint = "the number of the one, or the name of the other"});
 }
 
 NamedMesh namedPiece(const PlacedPiece& piece) { return {piece.mesh, objectsOf({&piece, 1})}; }
@@ -61,9 +71,10 @@ NamedMesh namedPiece(const PlacedPiece& piece) { return {piece.mesh, objectsOf({
 // Pieces where they were moved to, unless they are put back.
 Expected<std::vector<Output>> outputsOf(const ExportArguments& a, const Export& result) {
   std::vector<Output> out;
-  const bool is_moved = std::any_of(result.pieces.begin(), result.pieces.end(),
-                                    [&](const RunManifest::Piece& p) { return p.isMoved() && !a.is_put_back; });
-  if (a.piece.empty() && !is_moved) {
+  const bool is_as_in_case = std::none_of(result.pieces.begin(), result.pieces.end(), [&](const RunManifest::Piece& p) {
+    return isNamedByUser(p) || (p.isMoved() && !a.is_put_back);
+  });
+  if (a.piece.empty() && is_as_in_case) {
     for (const std::string& path : a.outputs) out.push_back({path, result.names.grouped(result.post_op.mesh, path)});
     return out;
   }
@@ -72,17 +83,17 @@ Expected<std::vector<Output>> outputsOf(const ExportArguments& a, const Export& 
                     ? Expected<std::vector<PlacedPiece>>(solidPieces(result.post_op.mesh, result.names))
                     : placedPieces(result.post_op.mesh, result.pieces, a.is_put_back, result.names);
   KERF_TRY(pieces, std::move(placed));
-  bool is_found = a.piece.empty() || a.piece == "all";
-  const auto chosen = chosenPiece(a.piece, pieces);
   for (const std::string& path : a.outputs) {
-    if (a.piece.empty()) out.push_back({path, {together(pieces), objectsOf(pieces)}});
-    if (chosen) out.push_back({path, namedPiece(pieces[*chosen])});
-    if (a.piece != "all") continue;
-    const auto files = filesOfPieces(path, pieces);
-    for (std::size_t n = 0; n < pieces.size(); ++n) out.push_back({files[n].string(), namedPiece(pieces[n])});
+    if (a.piece.empty()) {
+      out.push_back({path, {together(pieces), objectsOf(pieces)}});
+    } else if (a.piece == "all") {
+      const auto files = filesOfPieces(path, pieces);
+      for (std::size_t n = 0; n < pieces.size(); ++n) out.push_back({files[n].string(), namedPiece(pieces[n])});
+    } else {
+      KERF_TRY(chosen, chosenPiece(a, pieces));
+      out.push_back({path, namedPiece(pieces[chosen])});
+    }
   }
-  is_found |= chosen.has_value();
-  if (!is_found) return fail(noSuchPiece(a, pieces));
   return out;
 }
 
@@ -297,7 +308,7 @@ void addExport(CLI::App& command, int& exit_code) {
       ->check(CLI::PositiveNumber);
   command
       .add_option("--piece", a->piece,
-                  "of an object that came apart: a piece, by number (of a session also by name); all: a file each, "
+                  "of an object that came apart: a piece, by number or name; all: a file each, "
                   "NAME-PIECE.stl, in the folder of NAME.stl, or in a folder that -o names")
       ->type_name("N|NAME|all");
   command.add_flag("--put-back", a->is_put_back, "pieces where they were in the scan, not where they were moved to");

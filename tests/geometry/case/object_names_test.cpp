@@ -90,5 +90,22 @@ TEST(ObjectNames, OfACaseAreThoseOfItsSources) {
   EXPECT_TRUE(ObjectNames::ofCase(folder.path(), manifest).isEmpty());
 }
 
+// The name of the only file that can be read is not that of the others.
+TEST(ObjectNames, OfASourceThatChangedAreNotThoseOfAnother) {
+  const TemporaryFolder folder;
+  const auto first = folder.path() / "source-1.obj", second = folder.path() / "source-2.obj";
+  ASSERT_TRUE(writeMesh(first, row({0, 10, 20}), {.objects = kThree}));
+  ASSERT_TRUE(writeMesh(second, blockAt(30), {.objects = Objects{{"splint", 0}}}));
+  CaseManifest manifest;
+  manifest.sources = {sourceAt(first, "OBJ", 1), sourceAt(second, "OBJ", 1)};
+  manifest.sources[0].sha256 = std::string(64, '0');
+  for (const char* const stored : {"source-1.obj", "source-9.obj"}) {
+    manifest.sources[0].stored_as = stored;
+    const ObjectNames names = ObjectNames::ofCase(folder.path(), manifest);
+    EXPECT_EQ(names.nameOf(blockAt(0)), "") << stored;
+    EXPECT_EQ(names.nameOf(blockAt(30)), "splint") << stored;
+  }
+}
+
 }  // namespace
 }  // namespace kerf::object_names_test

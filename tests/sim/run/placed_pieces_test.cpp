@@ -113,6 +113,41 @@ TEST(PlacedPieces, HaveTheNamesOfTheirSourceUnlessAPersonNamedThem) {
   EXPECT_TRUE(objectsOf(*nameless).empty());
 }
 
+// Teeth that touch are one piece and two solids: each keeps its name, also where it is moved.
+TEST(PlacedPieces, APieceOfSeveralSolidsHasTheNamesOfAll) {
+  const Mesh mesh = row();
+  const std::vector<NamedPart> objects = {{"tooth 36", 0}, {"gingiva", 12}, {"tooth 37", 24}, {"", 36}};
+  const ObjectNames names = ObjectNames::ofMesh(mesh, objects);
+  const auto whole = placedPieces(mesh, {}, false, names);
+  ASSERT_TRUE(whole);
+  EXPECT_EQ(objectsOf(*whole), (std::vector<NamedPart>{{"", 0}, {"tooth 36", 12}, {"gingiva", 24}, {"tooth 37", 36}}));
+
+  std::vector<Piece> one = {pieceAt(1, {0, 0, -1}, turned(20, {0, 3, 5}))};
+  const auto moved = placedPieces(mesh, one, false, names);
+  ASSERT_TRUE(moved);
+  EXPECT_EQ(objectsOf(*moved), objectsOf(*whole));
+  one[0].name = "Bridge";
+  const auto named = placedPieces(mesh, one, false, names);
+  ASSERT_TRUE(named);
+  EXPECT_EQ(objectsOf(*named), (std::vector<NamedPart>{{"Bridge", 0}})) << "by the user";
+}
+
+TEST(PlacedPieces, FilesKeepLettersOfAnyScript) {
+  const auto fileOf = [](const std::string& name) {
+    const PlacedPiece piece{.name = name};
+    return filesOfPieces("w.obj", std::span(&piece, 1))[0].string();
+  };
+  EXPECT_EQ(fileOf("Zähne 3/6"), "w-Zähne-3-6.obj");
+  EXPECT_EQ(fileOf("名前"), "w-名前.obj");
+  EXPECT_EQ(fileOf("a\u202eb\u200bc"), "w-a-b-c.obj") << "marks that turn or hide text";
+  EXPECT_EQ(fileOf("../x"), "w----x.obj");
+  std::string longest;
+  for (int n = 0; n < 40; ++n) longest += "ä";
+  EXPECT_EQ(fileOf(longest), "w-" + longest.substr(0, 60) + ".obj");
+  const std::vector<PlacedPiece> alike(3, PlacedPiece{.name = "Tooth"});
+  EXPECT_EQ(filesOfPieces("w.obj", alike)[2], "w-Tooth-3.obj");
+}
+
 TEST(PlacedPieces, SolidsOfOneNameAreNumbered) {
   const Mesh mesh = row();
   const std::vector<NamedPart> objects = {{"tooth", 0}, {"piece 2", 12}, {"tooth", 24}, {"", 36}};
@@ -120,7 +155,7 @@ TEST(PlacedPieces, SolidsOfOneNameAreNumbered) {
   std::vector<std::string> of_pieces, of_objects;
   for (const PlacedPiece& piece : solids) {
     of_pieces.push_back(piece.name);
-    of_objects.push_back(piece.object);
+    of_objects.push_back(piece.objects.empty() ? "" : piece.objects[0].name);
   }
   EXPECT_EQ(of_pieces, (std::vector<std::string>{"tooth", "piece 2", "tooth 2", "piece 4"}));
   EXPECT_EQ(of_objects, (std::vector<std::string>{"tooth", "piece 2", "tooth", ""}));
