@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -9,7 +10,7 @@
 namespace kerf {
 
 inline constexpr std::size_t kLongestObjectName = 256;  ///< bytes
-inline constexpr std::size_t kMostNamedParts = 4096;    ///< of a file; with more of them no name is read
+inline constexpr std::size_t kMostObjectNames = 4096;   ///< of a file; with more of them no name is read
 
 /// Triangles of a mesh that are one object of its file: from `first_triangle` to that of the next part, or to the end.
 struct NamedPart {
@@ -18,24 +19,30 @@ struct NamedPart {
   bool operator==(const NamedPart&) const = default;
 };
 
-/// A name from a file as one line of UTF-8, at most kLongestObjectName bytes: control characters and bytes that are no
-/// UTF-8 as \x1b, blanks at its ends removed. A name that is clean already stays as it is.
+/// A name from a file as one line of UTF-8, at most kLongestObjectName bytes: white space as blanks, none at the ends;
+/// other control characters and bytes that are no UTF-8 as \x1b. A name that is clean already stays as it is.
 std::string objectName(std::string_view text);
 
 namespace internal {
+
+std::string noteOfTooManyNames();
 
 /// Collects the parts of a mesh while a reader appends triangles to it.
 class PartList {
  public:
   /// Triangles from `first` on have this name. @pre  `first` never decreases.
   void begin(std::string_view name, std::size_t first);
-  /// The parts of a mesh of `count` triangles; empty if none has a name, or if there are too many.
-  std::vector<NamedPart> finish(std::size_t count);
-  bool hasTooMany() const { return has_too_many_; }
+  /// The parts of a mesh of so many triangles; empty if none has a name, or if there are too many names.
+  std::vector<NamedPart> finish(std::size_t triangles);
+  /// How many names the triangles have, one without a name not counted.
+  std::size_t nameCount() const { return names_.size(); }
+  bool hasTooMany() const { return names_.size() > kMostObjectNames; }
 
  private:
+  void count(const std::string& name);
+
   std::vector<NamedPart> parts_;
-  bool has_too_many_ = false;
+  std::set<std::string> names_;  // of parts with triangles but the last one, and after finish() of all
 };
 
 }  // namespace internal

@@ -294,10 +294,12 @@ class ObjReader {
 
   void nameObjects() {
     file_.objects = objects_.finish(triangles_);
-    if (file_.objects.empty() && !objects_.hasTooMany()) file_.objects = groups_.finish(triangles_);
+    std::vector<NamedPart> groups = groups_.finish(triangles_);
+    // One name for all tells less than the names of its groups.
+    if (file_.objects.empty() || (file_.objects.size() == 1 && groups_.nameCount() > 1))
+      if (!objects_.hasTooMany() && !groups.empty()) file_.objects = std::move(groups);
     if (file_.objects.empty() && (objects_.hasTooMany() || groups_.hasTooMany()))
-      file_.notes.emplace_back("Names of objects were not read: there are more than " +
-                               std::to_string(kMostNamedParts) + ".");
+      file_.notes.push_back(noteOfTooManyNames());
   }
 
   void noteSkipped() {

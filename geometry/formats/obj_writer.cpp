@@ -9,10 +9,11 @@
 namespace kerf::internal {
 namespace {
 
-// One that ends in a backslash would go on in the next line.
+// Without a name: the object of the triangles that follow has none. A name that ends in a backslash would go on in the
+// next line.
 std::string lineOf(std::string name) {
   while (!name.empty() && (name.back() == '\\' || name.back() == ' ')) name.pop_back();
-  return "o " + (name.empty() ? "unnamed" : name) + '\n';
+  return "o " + name + '\n';
 }
 
 }  // namespace

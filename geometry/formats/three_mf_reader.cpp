@@ -56,10 +56,8 @@ class ThreeMfReader {
     KERF_CHECK(build(*root));
 
     finishColors();
-    if (names_.hasTooMany())
-      file_.notes.emplace_back("Names of objects were not read: there are more than " +
-                               std::to_string(kMostNamedParts) + ".");
     file_.objects = names_.finish(file_.mesh.triangles.size());
+    if (names_.hasTooMany()) file_.notes.push_back(noteOfTooManyNames());
     file_.had_double_coordinates |= root->model.had_double_coordinates;
     for (const auto& [path, part] : parts_) file_.had_double_coordinates |= part->model.had_double_coordinates;
     return finished(source_, std::move(file_));

@@ -37,7 +37,7 @@ void append(std::string& text, const char* before, Number value, const char* aft
   text += after;
 }
 
-// What one object of the file holds.
+// An object of the file.
 struct WrittenObject {
   std::string_view name;
   std::size_t first = 0;                ///< of its triangles in the mesh

@@ -56,7 +56,6 @@ TEST_F(NamedParts, ObjObjectsBeginAtTheTrianglesOfTheirFaces) {
 TEST_F(NamedParts, ObjGroupsNameAFileWithoutObjects) {
   EXPECT_EQ(ofObj("g default\n" + kCorners + "g crown\nf 1 2 3\ng root\nf 1 2 5\n"),
             (Objects{{"crown", 0}, {"root", 1}}));
-  EXPECT_EQ(ofObj(kCorners + "o tooth\ng crown\nf 1 2 3\ng root\nf 1 2 5\n"), (Objects{{"tooth", 0}}));
 }
 
 TEST_F(NamedParts, FormatsBringThemBackAsTheirRowsSay) {
@@ -88,7 +87,7 @@ TEST_F(NamedParts, ThreeMfKeepsTheColoursOfEachObject) {
 
 TEST_F(NamedParts, AreOneShortLineOfUtf8) {
   EXPECT_EQ(objectName(" \ttooth 36\r\n"), "tooth 36");
-  EXPECT_EQ(objectName("a\x1b[31m\xff\nb"), "a\\x1b[31m\\xff\\x0ab");
+  EXPECT_EQ(objectName("a\x1b[31m\xff\nb"), "a\\x1b[31m\\xff b");
   EXPECT_EQ(objectName(" "), "");
   std::string umlauts;
   for (int n = 0; n < 1000; ++n) umlauts += "\xc3\xbc";
@@ -133,14 +132,34 @@ TEST_F(NamedParts, HostileNamesBreakNoFile) {
       << "XML forbids them";
 }
 
+TEST_F(NamedParts, GroupsTellMoreThanOneNameForAll) {
+  EXPECT_EQ(ofObj(kCorners + "o model\ng tooth 36\nf 1 2 3\ng gingiva\nf 1 2 5\n"),
+            (Objects{{"tooth 36", 0}, {"gingiva", 1}}));
+  EXPECT_EQ(ofObj(kCorners + "o model\ng default\nf 1 2 3\nf 1 2 5\n"), (Objects{{"model", 0}}));
+  EXPECT_EQ(ofObj(kCorners + "o a\ng tooth 36\nf 1 2 3\no b\ng gingiva\nf 1 2 5\n"), (Objects{{"a", 0}, {"b", 1}}));
+}
+
+TEST_F(NamedParts, AnObjectWithoutANameAfterOneWithANameHasNone) {
+  const Mesh mesh = read(folder_.write("two.obj", kCorners + "f 1 2 3\nf 1 2 5\n")).mesh;
+  const Objects objects{{"tooth 36", 0}, {"", 1}};
+  const auto file = folder_.path() / "back.obj";
+  ASSERT_TRUE(writeMesh(file, mesh, {.objects = objects}));
+  EXPECT_EQ(read(file).objects, objects);
+}
+
 TEST_F(NamedParts, TooManyAreNoneAndSaid) {
   std::string text = kCorners;
-  for (std::size_t n = 0; n <= kMostNamedParts; ++n) text += "o part " + std::to_string(n) + "\nf 1 2 3\n";
+  for (std::size_t n = 0; n <= kMostObjectNames; ++n) text += "o part " + std::to_string(n) + "\nf 1 2 3\n";
   const MeshFile file = read(folder_.write("many.obj", text));
-  EXPECT_EQ(file.mesh.triangles.size(), kMostNamedParts + 1);
+  EXPECT_EQ(file.mesh.triangles.size(), kMostObjectNames + 1);
   EXPECT_EQ(file.objects, Objects{});
   EXPECT_TRUE(std::any_of(file.notes.begin(), file.notes.end(),
                           [](const std::string& note) { return note.starts_with("Names of objects"); }));
+
+  std::string in_turn = kCorners;
+  for (std::size_t n = 0; n <= 2 * kMostObjectNames; ++n)
+    in_turn += n % 2 ? "o upper\nf 1 2 3\n" : "o lower\nf 1 2 3\n";
+  EXPECT_EQ(ofObj(in_turn).size(), 2 * kMostObjectNames + 1) << "names, not parts, are counted";
 
   std::string empty = kCorners + "f 1 2 3\n";
   for (int n = 0; n < 100000; ++n) empty += "o part " + std::to_string(n) + "\n";
