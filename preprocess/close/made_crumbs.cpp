@@ -31,7 +31,7 @@ std::vector<Shell> shellsOf(const Mesh& solid, const Pieces& pieces) {
   return out;
 }
 
-/// Of each triangle of the scan, the piece that it is of: welded as buildChain() does.
+/// The pieces of the scan, welded as buildChain() does.
 Pieces piecesOfScan(const Mesh& imported) {
   ExactWelder welder(imported.vertices.size());
   std::vector<std::uint32_t> number;
@@ -68,12 +68,18 @@ void spareOwnPieces(const Mesh& imported, const Pieces& pieces, std::span<const 
 
 /// Takes the mark from pieces around one that stays: without its shell that would lie in the wrong material.
 void spareShellsAroundOthers(const std::vector<Shell>& shells, std::vector<char>& goes) {
+  std::vector<Box3> boxes;
+  for (const Shell& shell : shells) boxes.push_back(shell.box);
+  const BoxTree tree(std::move(boxes));
   for (bool is_changed = true; std::exchange(is_changed, false);)
     for (std::size_t p = 0; p < shells.size(); ++p) {
       if (!goes[p]) continue;
-      for (std::size_t q = 0; q < shells.size() && goes[p]; ++q)
-        if (!goes[q] && holds(shells[p].box, shells[q].box)) goes[p] = 0;
-      is_changed |= !goes[p];
+      const bool is_alone =
+          tree.visit([&](const Box3& box) { return overlap(box, shells[p].box); },
+                     [&](std::uint32_t q) { return goes[q] || !holds(shells[p].box, shells[q].box); });
+      if (is_alone) continue;
+      goes[p] = 0;
+      is_changed = true;
     }
 }
 

@@ -20,7 +20,8 @@ struct MadeCrumbs {
 /// around one that stays.
 /// @param imported  the scan, mm; may be unwelded.
 /// @param solid     closed, 2-manifold, mm.   @param source  per triangle of the solid: triangle of the scan or kAdded.
-/// @cost  O(n) without a piece that small; else that of welding the scan and sorting its edges.
+/// @cost  O(n) without a piece that small. Otherwise that of welding the scan and sorting its edges, and
+/// O(log pieces) for each crumb.
 MadeCrumbs findMadeCrumbs(const Mesh& imported, const Mesh& solid, std::span<const std::uint32_t> source,
                           double most_mm3);
 
