@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <span>
+#include <utility>
 
 #include "geometry/base/atomic_file.h"
 #include "geometry/base/hash.h"
@@ -21,6 +22,7 @@
 #include "sim/run/removed_volumes.h"
 #include "sim/run/run_files.h"
 #include "sim/run/run_output.h"
+#include "sim/run/small_cut.h"
 #include "sim/run/sweep_cutter.h"
 #include "sim/run/thin_cut.h"
 
@@ -147,42 +149,65 @@ Expected<Swept> sweepCase(const fs::path& case_folder, const CaseManifest& in_ca
 
 // ---- Cuts that no node counts
 
-// The strokes of a path, from 1, that alone take nothing from the object between its nodes.
-std::vector<std::size_t> idleBetweenNodes(const BrickField& phi0, const Pass& pass) {
-  const ToolShape& cut = *pass.tool.cut;
-  const CutPath path = mergedFor(cut, pass.path, phi0.voxel()).path;
-  std::vector<std::size_t> idle;
-  std::size_t strokes = 0;
-  std::unique_ptr<SweepCutter> stroke;
-  const auto endStroke = [&] {
-    if (stroke && sweptVolume(phi0, removedFieldFromSweep(phi0, stroke->sweep())) < kUnchanged) idle.push_back(strokes);
-    stroke.reset();
-  };
+// The motions of a path that cut, stroke by stroke.
+std::vector<std::vector<SweptTool>> strokesOf(const Pass& pass, double voxel) {
+  const CutPath path = mergedFor(*pass.tool.cut, pass.path, voxel).path;
+  std::vector<std::vector<SweptTool>> out;
+  bool is_cutting = false;
   for (std::size_t s = 0; s + 1 < path.poses.size(); ++s) {
-    if (!path.cuts[s]) {
-      endStroke();
-      continue;
-    }
-    if (!stroke) {
-      ++strokes;
-      stroke = std::make_unique<SweepCutter>(phi0);
-    }
-    stroke->advance(SweptTool(cut, path.poses[s].T_object_tool, path.poses[s + 1].T_object_tool));
+    if (path.cuts[s] && !std::exchange(is_cutting, true)) out.emplace_back();
+    is_cutting = path.cuts[s];
+    if (is_cutting)
+      out.back().emplace_back(*pass.tool.cut, path.poses[s].T_object_tool, path.poses[s + 1].T_object_tool);
   }
-  endStroke();
-  return idle;
+  return out;
+}
+
+// Of the strokes of the last pass that no node counts, those that take nothing off between the nodes either.
+// @param idle  their numbers, from 1.   @cost  of a stroke that does take something off: that of all passes.
+std::vector<std::size_t> idleBetweenNodes(const BrickField& phi0, std::span<const Pass> passes,
+                                          const std::vector<std::size_t>& idle) {
+  const auto sweepOf = [&](const std::vector<SweptTool>& stroke) {
+    auto out = std::make_unique<SweepCutter>(phi0);
+    for (const SweptTool& motion : stroke) out->advance(motion);
+    return out;
+  };
+  const auto strokes = strokesOf(passes.back(), phi0.voxel());
+  const BrickField nothing(phi0.voxel(), static_cast<float>(4 * phi0.voxel()));
+  std::map<std::size_t, std::unique_ptr<SweepCutter>> thin;
+  for (const std::size_t n : idle)
+    if (auto sweep = sweepOf(strokes[n - 1]); strokeVolume(phi0, nothing, sweep->sweep()) >= kUnchanged)
+      thin[n] = std::move(sweep);
+  if (thin.empty()) return idle;
+
+  // Without the strokes before them.
+  SweepCutter before(phi0);
+  for (const Pass& pass : passes.first(passes.size() - 1))
+    for (const auto& stroke : strokesOf(pass, phi0.voxel()))
+      for (const SweptTool& motion : stroke) before.advance(motion);
+  std::vector<std::size_t> out;
+  for (std::size_t n = 1; n <= strokes.size(); ++n) {
+    const auto found = thin.find(n);
+    const bool is_thin =
+        found != thin.end() && strokeVolume(phi0, before.sweep(), found->second->sweep()) >= kUnchanged;
+    if (!is_thin && std::find(idle.begin(), idle.end(), n) != idle.end()) out.push_back(n);
+    for (const SweptTool& motion : strokes[n - 1]) before.advance(motion);
+  }
+  return out;
 }
 
 // Where nodes count no cut the field between them decides, as it does for the export.
 // @param on_own_grid  the volumes were counted on the nodes that were swept.
-void judgeBetweenNodes(const Swept& swept, const Pass& last, bool on_own_grid, RunManifest& m) {
+void judgeBetweenNodes(const Swept& swept, std::span<const Pass> passes, bool on_own_grid, RunManifest& m) {
   double counted_mm3 = 0;
   for (const auto& [id, volume] : m.removed_by_material) counted_mm3 += volume;
   const bool is_idle = m.findings.idle.size() == m.findings.strokes;
-  if (counted_mm3 >= kUnchanged || !(is_idle || on_own_grid)) return;
-  m.thin_mm3 = thinCutVolume(*swept.phi0, swept.cutter->sweep());
-  if (m.thin_mm3 < kUnchanged) m.thin_mm3 = 0;
-  if (m.thin_mm3 > 0 && is_idle) m.findings.idle = idleBetweenNodes(*swept.phi0, last);
+  if (counted_mm3 < kUnchanged && (is_idle || on_own_grid)) {
+    m.thin_mm3 = thinCutVolume(*swept.phi0, swept.cutter->sweep());
+    if (m.thin_mm3 < kUnchanged) m.thin_mm3 = 0;
+    if (m.thin_mm3 == 0) return;
+  }
+  if (!m.findings.idle.empty()) m.findings.idle = idleBetweenNodes(*swept.phi0, passes, m.findings.idle);
 }
 
 // What no other file of the run says: volumes, and what the object is in now.
@@ -303,7 +328,7 @@ Expected<RunManifest> cutFrom(Begin begin, const fs::path& tool_file, const fs::
   if (!begin.cuts.empty() && begin.voxel_mm < m.voxel_mm) m.finer_before_mm = begin.voxel_mm;
   m.removed_by_material = swept.removed_by_material;
   m.findings = swept.findings;
-  judgeBetweenNodes(swept, begin.passes.back(), m.voxel_mm == in_case.voxel_mm, m);
+  judgeBetweenNodes(swept, begin.passes, m.voxel_mm == in_case.voxel_mm, m);
   m.merged_motions = swept.merged_motions;
   m.swept_motions = swept.swept_motions;
   m.merge_tolerance_mm = kMergeTolerance * m.voxel_mm;

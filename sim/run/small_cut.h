@@ -8,6 +8,8 @@
 
 namespace kerf {
 
+inline constexpr double kUnchanged = 1e-6;  ///< mm^3; a smaller volume counts as none
+
 /// Half a voxel: the volume of a cut of few voxels depends on the place of the grid by so much, and differs so much
 /// from the volume of its mesh. Measured with balls, a cylinder and a pear, 0.02 to 0.4 mm deep, voxels of 0.05 to 0.15
 /// mm. Volumes of larger cuts are known to 1 % beside walls that curve, to 3 % beside flat ones along the grid.
@@ -15,9 +17,9 @@ inline double volumeUncertainty(double voxel_mm) { return 0.5 * voxel_mm * voxel
 
 /// A warning without its full stop if the uncertainty exceeds 3 % of the removed volume.
 inline std::optional<std::string> smallCut(double removed_mm3, double voxel_mm) {
-  constexpr double kMost = 0.03, kLeast = 1e-6;  // mm^3: below this nothing was cut
+  constexpr double kMost = 0.03;
   const double uncertainty = volumeUncertainty(voxel_mm);
-  if (!(removed_mm3 > kLeast) || uncertainty <= kMost * removed_mm3) return {};
+  if (!(removed_mm3 > kUnchanged) || uncertainty <= kMost * removed_mm3) return {};
   return fmt::format(
       "the cut is only {:.2g} voxels of {:g} mm: its volume is known to {:.2g} mm3 ({:.0f} %). Smaller voxels give a "
       "more exact volume",

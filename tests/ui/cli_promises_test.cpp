@@ -221,6 +221,33 @@ TEST_F(CliPromises, AStrokeWithinAFineRegionIsJudgedByItsVoxels) {
   }
 }
 
+// A stroke that no node counts is judged between the nodes, also beside one that nodes count, and after another run.
+TEST_F(CliPromises, AThinStrokeBesideADeepOneIsNotSaidToRemoveNothing) {
+  makeCase();
+  ASSERT_EQ(runKerf({"bake", at("box.off"), "--unit", "mm", "-o", at("coarse.case"), "--voxel", "0.5"}).exit_code, 0);
+  const std::string begin =
+      "format = \"kerf-path\"\nversion = 1\nframe = \"object\"\nfeed = 4.0\n[start]\nposition = [-2.5, 0.3, {}]\n"
+      "axis = [0, 0, 1]\n";
+  const auto stroke = [](const std::string& kind, const std::string& by) {
+    return "[[stroke]]\nkind = \"" + kind + "\"\nby = " + by + "\n";
+  };
+  const auto cut = [&](const std::string& bundle, double depth, const std::string& strokes, const std::string& run) {
+    folder_.write("p.toml", fmt::format(fmt::runtime(begin), -depth) + strokes);
+    const Outcome o =
+        runKerf({"cut", at(bundle), "--tool", "round-005", "--path", at("p.toml"), "-o", at(run), "--json"});
+    EXPECT_EQ(o.exit_code, 0) << o.err;
+    return o.exit_code == 0 ? json::parse(o.out)["idle_strokes"] : json();
+  };
+  const std::string along = stroke("line", "[5, 0, 0]");
+  // Deep; then beside it thin; along the deep groove again; in the air.
+  const std::string thin_and_two_idle = along + stroke("move", "[-5, 0, 1]") + stroke("move", "[0, 1.5, -0.46]") +
+                                        along + stroke("move", "[-5, 0, 1]") + stroke("move", "[0, -1.5, -1.54]") +
+                                        along + stroke("move", "[-5, 0, 2]") + along;
+  EXPECT_EQ(cut("coarse.case", 0.6, thin_and_two_idle, "mixed.run"), json::array({3, 4}));
+  EXPECT_EQ(cut("coarse.case", 0.6, along, "deep.run"), json::array());
+  EXPECT_EQ(cut("deep.run", 0.61, along, "deeper.run"), json::array()) << "by a hundredth of a mm";
+}
+
 // The export goes by the field between the nodes, and so does the warning.
 TEST_F(CliPromises, ACutBetweenTheNodesIsWarnedOfAsThin) {
   makeCase();
@@ -230,8 +257,10 @@ TEST_F(CliPromises, ACutBetweenTheNodesIsWarnedOfAsThin) {
     bool is_thin;
   };
   // Beside a row of nodes and midway between two; the last is smaller than a voxel.
-  for (const auto& [x, y, depth, length, is_thin] :
-       {Scratch{-2.5, 0.3, 0.04, 5, true}, {-2.5, 0.25, 0.09, 5, true}, {-0.02, 0.3, 0.04, 0.05, false}}) {
+  for (const auto& [x, y, depth, length, is_thin] : {Scratch{-2.5, 0.3, 0.04, 5, true},
+                                                     {-2.5, 0.25, 0.09, 5, true},
+                                                     {-2.5, 0.3, 0.01, 5, true},
+                                                     {-0.02, 0.3, 0.04, 0.05, false}}) {
     SCOPED_TRACE(fmt::format("y {}, {} mm deep, {} mm long", y, depth, length));
     folder_.write(
         "scratch.toml",

@@ -15,7 +15,6 @@
 #include "sim/run/geometry_cut.h"
 #include "sim/run/haptic_cut.h"
 #include "sim/run/small_cut.h"
-#include "sim/run/thin_cut.h"
 #include "sim/run/tool_resolution.h"
 #include "sim/step/response.h"
 #include "ui/cli/command.h"

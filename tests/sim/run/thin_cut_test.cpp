@@ -49,6 +49,26 @@ TEST(ThinCut, ALayerOfHalfAVoxelThatNoNodeIsInCounts) {
   EXPECT_NEAR(thinCutVolume(phi0, sweep), 4 * 4 * 0.1, 0.05);
 }
 
+// A layer of a hundredth of a voxel counts as exactly as a thick one, along each axis.
+TEST(ThinCut, AVeryThinLayerHasItsVolume) {
+  const BrickField phi0 = cube();
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double depth : {0.002, 0.01, 0.05}) {
+      const BrickField sweep = sweepBeside(phi0, [&](const Vec3d& p) { return 2 - depth - p[axis]; });
+      EXPECT_NEAR(sweptVolume(phi0, sweep), 4 * 4 * depth, 1e-5) << axis << ' ' << depth;
+    }
+}
+
+TEST(ThinCut, AStrokeCountsWhatItAdds) {
+  const BrickField phi0 = cube(), thin = sweepBeside(phi0, [](const Vec3d&p) { return 1.9 - p.z(); }),
+                   thick = sweepBeside(phi0, [](const Vec3d&p) { return 1.85 - p.z(); });
+  const BrickField nothing(kVoxel, thin.background());
+  EXPECT_EQ(strokeVolume(phi0, thin, thin), 0);
+  EXPECT_EQ(strokeVolume(phi0, thick, thin), 0);
+  EXPECT_NEAR(strokeVolume(phi0, nothing, thin), 4 * 4 * 0.1, 0.05);
+  EXPECT_NEAR(strokeVolume(phi0, thin, thick), 4 * 4 * 0.05, 0.05);
+}
+
 // Linear interpolation cuts chords: 3 % of a ball of five voxels.
 TEST(ThinCut, HalfABallHasItsVolume) {
   const BrickField phi0 = cube(), sweep = sweepBeside(phi0, ball({0.03, 0.05, 2}, 1));
