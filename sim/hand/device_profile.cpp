@@ -33,7 +33,7 @@ struct AxisCoupling {
 
 AxisCoupling coupled(const Axis& axis, double tau) {
   const double by_mass = 0.2 * axis.mass / (tau * tau);
-  const double by_encoder = axis.step > 0 ? axis.friction / axis.step : kUnbound;
+  const double by_encoder = axis.step > 0 ? axis.friction / (std::numbers::sqrt2 * axis.step) : kUnbound;
   AxisCoupling out;
   out.stiffness = std::min({axis.wanted, by_mass, by_encoder});
   if (out.stiffness < axis.wanted) out.bound = by_mass < by_encoder ? CouplingBound::kMass : CouplingBound::kEncoder;

@@ -40,14 +40,15 @@ struct DeviceCoupling {
 };
 
 /// With tau = delay + T / 2, T one tick, the wanted stiffness K0, and f at least 0.01 N:
-///   K = min(K0, 0.2 m / tau^2, f / q)
+///   K = min(K0, 0.2 m / tau^2, f / (sqrt(2) q))
 ///   B = K tau + 2 N s/m                                              while the drive turns
 ///   B = max(0.7 K tau, min(K tau + 2 N s/m, 2 f T / (a q)))          while it stands still
 /// a = 1 - exp(-2 pi 150 Hz T) is the gain of the velocity's low-pass. A delay is a negative damping K tau, so B makes
 /// up for it; K tau^2 / m = 0.55 is where a delayed spring and damper on a mass is at its limit, and 0.2 leaves room
 /// for hand and filter; a rounded position needs f >= K q / 2 (Abbott & Okamura 2005), half of that leaves room for
-/// axes that are turned; and one step of the encoder kicks the hand by B a q / T. The same for turning, with the wanted
-/// turning stiffness, inertia, f at least 0.1 N mm, and 2 N mm s/rad. `kerf-bench devices` measures it.
+/// axes that are turned, and sqrt(2) for a tool that friction holds sideways while tissue holds it up: one friction
+/// stands against the steps of two axes; and one step of the encoder kicks the hand by B a q / T. The same for turning,
+/// with the wanted turning stiffness, inertia, f at least 0.1 N mm, and 2 N mm s/rad. `kerf-bench devices` measures it.
 ///
 /// No friction at all cannot be passive behind an encoder: what such a device is given stays small and bounded.
 /// @param profile  delay not negative, mass positive.   @param wanted  all that does not follow from the profile is

@@ -562,7 +562,7 @@ TEST_F(Cli, DevicesSaysWhichCouplingADeviceCanHold) {
   EXPECT_GE(typical.size(), 5u);
   const json own = parsed(runKerf({"devices", "--delay", "2", "--friction", "0.02", "--encoder", "0.05", "--json"}));
   ASSERT_EQ(own.size(), 1u);
-  EXPECT_NEAR(own[0]["stiffness_N_per_mm"].get<double>(), 0.4, 1e-9);
+  EXPECT_NEAR(own[0]["stiffness_N_per_mm"].get<double>(), 0.4 / std::numbers::sqrt2, 1e-9);
   EXPECT_NE(runKerf({"devices", "--encoder", "0.05"}).out.find("coarse for its friction"), std::string::npos);
   refuses({"devices", "--mass", "0"}, {"--mass"}, 2);
 }

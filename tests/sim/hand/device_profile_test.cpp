@@ -18,11 +18,12 @@ TEST(DeviceProfile, TheCouplingIsThatOfTheFormula) {
   };
   const Row rows[] = {
       {1, 0.08, 0.05, 0.03, 1, CouplingBound::kNone},
-      {2, 0.08, 0.02, 0.03, 0.02 / 0.03, CouplingBound::kEncoder},
-      {2, 0.08, 0.02, 0.055, 0.02 / 0.055, CouplingBound::kEncoder},
+      {2, 0.08, 0.02, 0.03, 0.02 / 0.03 / std::numbers::sqrt2, CouplingBound::kEncoder},
+      {2, 0.08, 0.02, 0.055, 0.02 / 0.055 / std::numbers::sqrt2, CouplingBound::kEncoder},
       {4, 0.05, 0.05, 0.03, 0.2 * 0.05e-3 / (0.0045 * 0.0045), CouplingBound::kMass},
       {5, 0.03, 0.05, 0.005, 0.2 * 0.03e-3 / (0.0055 * 0.0055), CouplingBound::kMass},
-      {1, 0.08, 0, 0.05, 0.01 / 0.05, CouplingBound::kEncoder},  // friction counts as 0.01 N at least
+      {1, 0.08, 0, 0.05, 0.01 / 0.05 / std::numbers::sqrt2,
+       CouplingBound::kEncoder},  // friction counts as 0.01 N at least
       {1, 0.08, 0, 0, 1, CouplingBound::kNone},
   };
   const double gain = 1 - std::exp(-2 * std::numbers::pi * 150 * kTick);
@@ -59,14 +60,14 @@ TEST(DeviceProfile, TurningHasItsOwnBounds) {
   p.encoder_rad = 0.5e-3;
   const DeviceCoupling coupling = couplingFor(p);
   EXPECT_EQ(coupling.turn_bound, CouplingBound::kEncoder);
-  EXPECT_NEAR(coupling.settings.turn_stiffness, 0.2 / 0.5e-3, 1e-9);
-  EXPECT_NEAR(coupling.settings.running_turn_damping, 400 * 0.0015 + 2, 1e-9);
+  EXPECT_NEAR(coupling.settings.turn_stiffness, 0.2 / 0.5e-3 / std::numbers::sqrt2, 1e-9);
+  EXPECT_NEAR(coupling.settings.running_turn_damping, 400 / std::numbers::sqrt2 * 0.0015 + 2, 1e-9);
 }
 
 TEST(DeviceProfile, ItSaysWhyTheCouplingIsSofter) {
   DeviceProfile p;
   EXPECT_EQ(describeStiffness(couplingFor(p), {}),
-            "0.667 N/mm, 1 wanted: the steps of its encoder are coarse for its friction");
+            "0.471 N/mm, 1 wanted: the steps of its encoder are coarse for its friction");
   p.friction = 0.1;
   EXPECT_EQ(describeStiffness(couplingFor(p), {}), "1 N/mm");
   p.delay_s = 0.006;
