@@ -1,4 +1,4 @@
-// Where the program finds its data: tools, materials, paths.
+// Search paths of the program's data: tools, materials, paths.
 #pragma once
 
 #include <filesystem>
@@ -8,13 +8,12 @@
 
 namespace kerf {
 
-/// Every existing place of `name` ("tools", "materials.toml"), the first to be preferred: in $KERF_ASSETS, beside the
-/// program (build tree, then installed), where Kerf was installed, in the source tree it was built from. Without
-/// repetition.
+/// Every existing place of `name` ("tools", "materials.toml"), by preference: in $KERF_ASSETS, beside the program
+/// (build tree, then installed), in the install folder, in the source tree of the build. Without repetition.
 std::vector<std::filesystem::path> findAssets(const std::filesystem::path& name);
 
-/// Error kBadValue: $KERF_ASSETS is set, and names no folder that holds tools/, paths/ or materials.toml. Programs ask
-/// once when they begin: misspelt, it would leave the user with tools and materials of ours in place of his own.
+/// Error kBadValue: $KERF_ASSETS is set, and names no folder that holds tools/, paths/ or materials.toml. Programs call
+/// this once at start: with a misspelt path the user would silently get Kerf's tools and materials.
 Expected<void> requireAssets();
 
 }  // namespace kerf

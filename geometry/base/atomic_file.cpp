@@ -118,9 +118,8 @@ std::string firstLineOf(const char* file) {
   return line;
 }
 
-// Who can tell whether a process lives: this machine since it was started, among the processes it sees here. Eight
-// hexadecimal digits. Neither the name of a machine nor its number is its own where it was cloned; what it drew when
-// it was started is.
+// Tag of the process table that can tell whether a process lives: this machine, this boot, this PID namespace. Eight
+// hexadecimal digits. A cloned machine shares name and number with its source, but not the random boot id.
 const std::string& processTable() {
   static const std::string tag = [] {
     std::array<char, 256> host{};
@@ -135,7 +134,7 @@ const std::string& processTable() {
   return tag;
 }
 
-// What is being written for a target stands beside it, as .NAME.kerf-TABLE-PROCESS-NUMBER.
+// Temporary files lie beside their target, as .NAME.kerf-TABLE-PROCESS-NUMBER.
 std::string temporaryPrefix(const fs::path& target) {
   return fmt::format(".{}.kerf-{}-", target.filename().string(), processTable());
 }
@@ -154,9 +153,9 @@ std::optional<Leftover> leftoverOf(const std::string& file) {
   return Leftover{file.substr(1, mark - 1), file.substr(table, 8), std::atoi(file.c_str() + table + 9)};
 }
 
-// Deletes what killed processes were writing in a folder, and puts back a target that one of them had moved aside.
-// Whether a process of another machine that shares the folder lives, or of this one before it was started anew, can not
-// be told from here: nobody writes for a week.
+// Deletes leftovers of killed processes in a folder, and restores a target that one of them moved aside. For processes
+// of another machine, or of an earlier boot, it can not tell whether they live: their files count as leftovers after a
+// week.
 void sweepLeftovers(const fs::path& folder) {
   constexpr std::chrono::hours kNobodyWrites{7 * 24};
   std::error_code ignored;
@@ -177,8 +176,8 @@ void sweepLeftovers(const fs::path& folder) {
   }
 }
 
-// A name beside `target` that no living process uses; `make` returns false with errno set. Leftovers of a killed
-// process are deleted, those with our id stepped over.
+// A name beside `target` that no living process uses; `make` returns false with errno set. Deletes leftovers of a
+// killed process, and skips those with our id.
 template <class Make>
 std::string makeTemporary(const fs::path& target, const Make& make) {
   static std::atomic<unsigned> counter{0};
@@ -248,7 +247,7 @@ Expected<AtomicFile> AtomicFile::create(const fs::path& path) {
     return (fd = ::open(file, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666)) >= 0;
   });
   if (fd < 0) return fail(writeError(path, "opening for writing", errno));
-  // The rights of the file it replaces; should the file system refuse, those of a new file are good enough.
+  // Copies the permissions of the replaced file; if that fails, those of a new file suffice.
   if (exists && ::fchmod(fd, status.st_mode & 07777) != 0) errno = 0;
   return AtomicFile(std::make_unique<State>(fd, path, target, std::move(temporary)));
 }
@@ -297,8 +296,8 @@ struct AtomicFolder::State {
 
 namespace {
 
-// What a folder of Kerf's own is, if it is of another kind than the one with that manifest. A run holds a copy of its
-// tool, as a baked tool does.
+// Kind of a Kerf folder, if it differs from the kind of that manifest, else null. A run holds a copy of its tool, as a
+// baked tool does.
 const char* otherBundle(const fs::path& folder, std::string_view manifest) {
   constexpr std::array<std::pair<std::string_view, const char*>, 3> kBundles{
       {{"case.toml", "it is a case"}, {"run.toml", "it is a run"}, {"tool.vdb", "it is a baked tool"}}};
@@ -311,7 +310,7 @@ const char* otherBundle(const fs::path& folder, std::string_view manifest) {
   return nullptr;
 }
 
-// What bundles hold beside what one of their .toml files names.
+// Files that bundles hold beside those named in their .toml files.
 bool isUsualName(const std::string& name, std::string_view manifest) {
   constexpr std::array<std::string_view, 21> kNames{
       "tool.ply",  "tools",    "run.new.vdb", "case.toml",  "recipe.toml",   "solid.ply",        "anatomy.vdb",
@@ -333,7 +332,7 @@ std::string tomlTextOf(const fs::path& folder) {
   return out;
 }
 
-// The first entry, by name, of a folder that is to be replaced which Kerf did not write: it would be lost. Empty: none.
+// The first entry, by name, not written by Kerf in a folder to replace: it would be lost. Empty if none.
 std::string foreignEntry(const fs::path& folder, std::string_view manifest) {
   const std::string named = tomlTextOf(folder);
   std::string first;
@@ -418,7 +417,7 @@ Expected<void> AtomicFolder::commit() {
   std::error_code error;
   KERF_CHECK(syncAllIn(s.staging));
 
-  // rename() replaces nothing or an empty folder; a full one has to be exchanged, which leaves the old one in staging.
+  // rename() replaces nothing or an empty folder; for a full one, an exchange leaves the old folder in staging.
   if (::rename(s.staging.c_str(), s.target.c_str()) == 0) {
     s.staging.clear();
   } else if ((errno == ENOTEMPTY || errno == EEXIST) && s.overwrite) {

@@ -1,4 +1,4 @@
-// How much memory the machine can still give.
+// Available memory of the machine.
 #pragma once
 
 #include <sys/resource.h>
@@ -12,8 +12,8 @@
 
 namespace kerf::internal {
 
-/// Bytes that can be had without swapping, as Linux estimates them, and within the limit of this process (ulimit -v);
-/// the largest number where it does not tell.
+/// Bytes available without swapping, as estimated by Linux, and within the limit of this process (ulimit -v); the
+/// largest number if unknown.
 inline std::uint64_t availableMemory() {
   std::uint64_t limit = std::numeric_limits<std::uint64_t>::max(), pages = 0;
   if (rlimit most{}; ::getrlimit(RLIMIT_AS, &most) == 0 && most.rlim_cur != RLIM_INFINITY) {

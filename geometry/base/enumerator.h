@@ -7,14 +7,14 @@
 
 namespace kerf {
 
-/// Whether a value of an enum has a name. The compiler spells an enumerator by its name and any other value as a cast,
+/// True if a value of an enum has a name. The compiler spells an enumerator by its name and any other value as a cast,
 /// "(Response)3".
 template <auto kValue>
 consteval bool isEnumerator() {
   return std::string_view(__PRETTY_FUNCTION__).find("= (") == std::string_view::npos;
 }
 
-/// Whether row n of a table belongs to the enumerator of value n, for all n, and the enum has no further one.
+/// True if row n of a table belongs to the enumerator of value n, for all n, and the enum has no further one.
 ///
 ///   inline constexpr std::array kRows = {Row{Colour::kRed, "red"}, Row{Colour::kBlue, "blue"}};
 ///   static_assert(hasRowForEach<kRows, &Row::colour>(), "each colour needs its row, in order");

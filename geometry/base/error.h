@@ -1,4 +1,4 @@
-// What failed, where, what was found, what was expected and what to try: the one error type of Kerf.
+// Kerf's only error type: failure, place, found and expected value, remedy.
 #pragma once
 
 #include <string>
@@ -23,9 +23,9 @@ struct Error {
   // The empty initialisers let a caller name only the fields it fills, without a warning about the rest.
   std::string file{};      ///< path as the user gave it
   std::string place{};     ///< "line 12", "byte 84", "key tool.head_diameter", "triangle 17"
-  std::string found{};     ///< what is there
-  std::string expected{};  ///< what should have been there
-  std::string hint{};      ///< what to try
+  std::string found{};     ///< found value or state
+  std::string expected{};  ///< expected value or state
+  std::string hint{};      ///< remedy
 
   /// One line: "FILE: PLACE: FOUND; expected EXPECTED. Try: HINT."
   std::string message() const;
@@ -39,7 +39,7 @@ inline tl::unexpected<Error> fail(Error e) { return tl::unexpected<Error>(std::m
 
 }  // namespace kerf
 
-/// Returns the error of an Expected<> from the enclosing function, or goes on. The value stays in `var`.
+/// Returns the error of an Expected<> from the enclosing function, or stores the value in `var`.
 #define KERF_TRY(var, expression)                                              \
   auto var##_or_error = (expression);                                          \
   if (!var##_or_error) return ::kerf::fail(std::move(var##_or_error).error()); \

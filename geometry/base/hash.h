@@ -1,4 +1,4 @@
-// SHA-256 (FIPS 180-4), by Nettle: tells whether two files or buffers are the same. Not used for secrets.
+// SHA-256 (FIPS 180-4), by Nettle: identifies equal files and buffers. Not used for secrets.
 #pragma once
 
 #include <cstddef>
@@ -13,8 +13,8 @@ namespace kerf {
 /// 64 lower-case hexadecimal digits. @cost 0.6 ns a byte where the processor has SHA instructions, else 4.5.
 std::string sha256(std::span<const std::byte> bytes);
 Expected<std::string> sha256OfFile(const std::filesystem::path& path);
-/// Fails when the file is not the one that had this hash: damaged, cut short, or edited by hand.
-/// @param hint  what to try then.
+/// Fails if the file's hash differs: damaged, truncated, or edited by hand.
+/// @param hint  remedy.
 Expected<void> requireSha256(const std::filesystem::path& path, const std::string& expected, const std::string& hint);
 
 }  // namespace kerf

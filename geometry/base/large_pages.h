@@ -1,4 +1,4 @@
-// Memory in large pages where the system has them: hundreds of megabytes come with 512 times fewer page faults.
+// Memory in large pages, if the system has them: 512 times fewer page faults for hundreds of megabytes.
 #pragma once
 
 #include <sys/mman.h>
@@ -8,8 +8,8 @@
 
 namespace kerf::internal {
 
-/// Asks for large pages for memory that was reserved and not touched yet. Whether the system grants it changes no
-/// result. @param bytes  from `begin` on; what lies in it may belong to nobody else.
+/// Requests large pages for memory reserved but not touched yet. Results do not depend on it. @param bytes  from
+/// `begin` on; the range must not hold other data.
 inline void adviseLargePages(void* begin, std::size_t bytes) {
 #ifdef MADV_HUGEPAGE
   constexpr std::uintptr_t kPage = std::uintptr_t{1} << 21;

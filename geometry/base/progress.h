@@ -23,12 +23,12 @@ inline Progress partOf(const Progress& whole, double from, double to) {
   return [whole, from, to](double f, std::string_view what) { return whole(from + f * (to - from), what); };
 }
 
-/// What a cancelled job returns: `if (!report(progress, 0.5, "cutting")) return cancelled();`
-/// @param file  what was being read, if that helps the reader of the message.
+/// Error of a cancelled job: `if (!report(progress, 0.5, "cutting")) return cancelled();`
+/// @param file  file being read, if useful in the message.
 inline tl::unexpected<Error> cancelled(std::string file = {}) {
   return fail({.code = Error::Code::kCancelled, .file = std::move(file), .found = "cancelled"});
 }
-/// The same from a job that would have written files: says that it has not.
+/// The same for a job that writes files: the message says that nothing was written.
 inline tl::unexpected<Error> cancelledBeforeWriting() {
   return fail({.code = Error::Code::kCancelled, .found = "cancelled; nothing was written"});
 }

@@ -20,7 +20,7 @@ Expected<std::string> readSmallFile(const std::filesystem::path& file, std::size
                                                                      : fmt::format("{} MB", most_bytes >> 20))});
   };
   const auto reason = [] { return std::string("can not be read: ") + std::strerror(errno); };
-  const int fd = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);  // a pipe would wait for a writer
+  const int fd = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);  // a pipe would block
   if (fd < 0 && errno == ENOENT) return refuse(Error::Code::kNotFound, "no such file");
   if (fd < 0) return refuse(Error::Code::kUnreadable, reason());
 
@@ -36,7 +36,7 @@ Expected<std::string> readSmallFile(const std::filesystem::path& file, std::size
   std::size_t size = 0;
   while (read && size <= most_bytes) {
     if (size == out.size())
-      out.resize(std::min(2 * size, most_bytes) + 1);  // it has grown, or tells no size, as in /proc
+      out.resize(std::min(2 * size, most_bytes) + 1);  // the file has grown, or has no size, as in /proc
     const ssize_t n = ::read(fd, out.data() + size, out.size() - size);
     if (n < 0 && errno == EINTR) continue;
     if (n < 0) read = refuse(Error::Code::kUnreadable, reason());

@@ -1,4 +1,4 @@
-// Strict reading of Kerf's TOML files: the reader asks for every key it knows, and any other key is an error.
+// Strict reading of Kerf's TOML files: the reader requests every known key, and any other key is an error.
 #pragma once
 
 #include <toml++/toml.h>
@@ -16,7 +16,7 @@
 
 namespace kerf {
 
-/// One table. Failed look-ups do not throw: the first error is kept and told by finish().
+/// One table. Failed look-ups do not throw: finish() returns the first error.
 class TomlTable {
  public:
   TomlTable(const toml::table& table, std::filesystem::path file, std::string name)
@@ -30,7 +30,7 @@ class TomlTable {
       missing(key, expected);
       return T{};
     }
-    // Exactly an integer where one is asked for: toml++ casts a float such as 1e308 to one, which is undefined.
+    // Integers must be integers in the file: toml++ casts a float such as 1e308, which is undefined behaviour.
     const bool is_wrong = std::is_integral_v<T> && !std::is_same_v<T, bool> && !node->is_integer();
     if (const auto value = is_wrong ? std::optional<T>{} : node->value<T>()) return *value;
     keep({.code = Error::Code::kBadFormat,
@@ -56,8 +56,7 @@ class TomlTable {
   /// Keeps an error about a key's value, unless there is one already.
   void reject(const std::string& key, std::string found, std::string expected, std::string hint = "");
   bool failed() const { return error_.has_value(); }
-  /// What to try when the file holds this unknown key: for words people use in place of ours. The nearest known key
-  /// otherwise.
+  /// Hint for this unknown key, such as a common synonym of a known key. Default: the nearest known key.
   void explain(const std::string& unknown_key, std::string hint) { hints_[unknown_key] = std::move(hint); }
   std::vector<std::string> strings(const std::string& key);
   const toml::array* tables(const std::string& key);
@@ -65,8 +64,8 @@ class TomlTable {
   /// A list of at least one point, each three finite numbers: [[0, 0, 5], [10, 0, 5]].
   std::vector<Vec3d> points(const std::string& key);
 
-  /// The first error, or one for the first unknown key (with the nearest known key). An unknown key goes
-  /// before a missing one: most often it is the missing one, misspelt.
+  /// The first error, or one for the first unknown key (with the nearest known key). An unknown key precedes a missing
+  /// one: most often it is the missing key, misspelt.
   Expected<void> finish();
 
  private:
@@ -84,7 +83,7 @@ class TomlTable {
   bool is_missing_ = false;  // error_ is about a missing key
 };
 
-/// The name that is fewest letters away from what was found; empty when none resembles it.
+/// The name with the smallest edit distance to `found`; empty if none resembles it.
 std::string nearestName(const std::string& found, const std::vector<std::string>& names);
 /// The same, up to `most` names, the nearest first.
 std::vector<std::string> nearestNames(const std::string& found, std::vector<std::string> names, std::size_t most);

@@ -52,7 +52,7 @@ struct Box3 {
   Vec3d corner(int n) const noexcept {
     return {(n & 1 ? max : min)[0], (n & 2 ? max : min)[1], (n & 4 ? max : min)[2]};
   }
-  /// The box around this box once moved: around pose * corner(n). Larger than the moved solid when turned. @rt
+  /// Box around this box after a move: around pose * corner(n). Larger than the moved solid after a rotation. @rt
   /// @param pose  a Rigid3, a rotation or a scaling.   @pre not empty.
   template <class Pose>
   Box3 transformed(const Pose& pose) const noexcept {
@@ -80,9 +80,9 @@ struct Rigid3 {
   }
   Rigid3 inverse() const { return {rotation.conjugate(), -(rotation.conjugate() * translation)}; }
 
-  static constexpr double kMostTranslation = 1e5;  ///< mm; farther away a coordinate is a mistake
-  /// Whether a pose from outside (a device, a file) can be computed with: finite, the quaternion of unit length within
-  /// 1e-6, nearer than kMostTranslation. @rt
+  static constexpr double kMostTranslation = 1e5;  ///< mm; a larger coordinate is an error
+  /// True if a pose from outside (a device, a file) is valid: finite, the quaternion of unit length within 1e-6, nearer
+  /// than kMostTranslation. @rt
   bool isUsable() const noexcept {
     return translation.allFinite() && rotation.coeffs().allFinite() && std::abs(rotation.norm() - 1) < 1e-6 &&
            translation.norm() < kMostTranslation;

@@ -9,8 +9,8 @@
 
 namespace kerf {
 
-/// With the characters that XML keeps for itself as entities, without control characters, and '?' for what XML forbids:
-/// bytes that are no UTF-8, U+FFFE and U+FFFF.
+/// Text with XML's reserved characters as entities, without control characters, and with '?' for forbidden ones: bytes
+/// that are no UTF-8, U+FFFE and U+FFFF.
 inline std::string xmlText(std::string_view text) {
   std::string out;
   for (std::size_t at = 0; at < text.size();) {

@@ -138,8 +138,8 @@ std::vector<std::uint32_t> copyVertices(const SurfaceMesh& out, const VertexOrig
   for (const std::uint32_t v : origins.survivor)
     if (v != kNoSource) take(SurfaceMesh::Vertex_index(v));
 
-  // CGAL numbers new vertices as it comes upon them, and where two boxes touch it takes the one first that lies lower
-  // in memory: their coordinates make an order that does not depend on that.
+  // CGAL numbers new vertices in the order of its search, and for touching boxes that depends on memory addresses. So
+  // this sorts them by coordinates.
   std::vector<SurfaceMesh::Vertex_index> made;
   for (const auto v : out.vertices())
     if (origins.source[v] == kNoSource) made.push_back(v);
@@ -155,7 +155,7 @@ void copyFaces(const SurfaceMesh& out, const Origins& origins, const std::vector
     std::uint32_t source;
     Triangle corners;
   };
-  // How many there are of each source, then where the first of each is to stand; the last source is none.
+  // Number of triangles of each source, then the place of the first of each; the last source is none.
   const std::size_t none = minuend.triangles.size();
   const auto placeOf = [none](std::uint32_t source) { return source == kNoSource ? none : std::size_t{source}; };
   std::vector<std::uint32_t> begin(none + 2);
@@ -280,8 +280,8 @@ std::vector<Shell> shellsOf(const Mesh& other, const std::vector<char>& is_cut) 
   return out;
 }
 
-// A shell that is not cut, or only touched, is part of the result, or not, as it lies inside or outside of the minuend.
-// The patch alone does not say where: its caps are no part of the minuend. Whether the result has it right.
+// Checks uncut shells, and shells that only touch. Whether such a shell belongs to the result depends on its place
+// inside or outside the minuend. The patch alone does not show this, because its caps are no part of the minuend.
 bool isRightAboutShells(const Mesh& minuend, const Mesh& other, Operation operation, const Combined& near) {
   constexpr std::size_t kMostShells = 16;
   internal::ExactWelder made(near.result.mesh.vertices.size());
@@ -298,7 +298,7 @@ bool isRightAboutShells(const Mesh& minuend, const Mesh& other, Operation operat
     const auto count = static_cast<std::size_t>(std::count_if(all.begin(), all.end(), is_there));
     if (count != 0 && count != all.size()) {
       if (!shell.is_cut) return false;
-      continue;  // what was cut was told by the crossing
+      continue;  // the crossing decides for cut shells
     }
     if (++looked_at > kMostShells) return false;
     for (const std::uint32_t v : {all.front(), all[all.size() / 2], all.back()})
@@ -311,11 +311,11 @@ bool crossesItself(const Mesh& mesh, std::size_t triangles) {
   return !selfIntersections(mesh.vertices, {mesh.triangles.data(), triangles}, 1).empty();
 }
 
-// None where the whole minuend has to be taken: it also says what is wrong, where something is.
+// Empty if the whole minuend is needed; the whole boolean also reports errors.
 std::optional<Difference> combineNear(const Mesh& minuend, const Mesh& other, Operation operation) {
   const std::optional<internal::NearPatch> patch = internal::nearPatch(minuend, other);
   if (!patch) return {};
-  // Caps may cross what they like but the other mesh; neither the minuend nor that may cross itself.
+  // Caps may cross anything except the other mesh. Neither the minuend nor the other mesh may cross itself.
   if (crossesItself(patch->mesh, patch->source_triangles) || crossesItself(other, other.triangles.size())) return {};
   const auto near = combineWhole(patch->mesh, other, operation, false);
   if (!near || !isRightAboutShells(minuend, other, operation, *near)) return {};
@@ -352,7 +352,7 @@ void splitQuad(SurfaceMesh& mesh, SurfaceMesh::Face_index face) {
     CGAL::Euler::split_face(h1, h3, mesh);
 }
 
-// The box as CGAL's clip() would make it of an Iso_cuboid_3.
+// The box, as CGAL's clip() builds it from an Iso_cuboid_3.
 SurfaceMesh meshOfBox(const Box3& box) {
   const Kernel::Iso_cuboid_3 cuboid({box.min[0], box.min[1], box.min[2]}, {box.max[0], box.max[1], box.max[2]});
   SurfaceMesh mesh;

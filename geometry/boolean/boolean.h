@@ -1,4 +1,4 @@
-// Exact difference and union of two closed meshes that leave alone what they do not meet; the part of one in a box.
+// Exact difference and union of two closed meshes that copy untouched triangles; the part of a mesh in a box.
 #pragma once
 
 #include <cstdint>
@@ -18,34 +18,34 @@ struct Difference {
   std::vector<std::uint32_t> from_vertex;
   /// Per triangle: index in the minuend, or kNoSource: a cut face.
   std::vector<std::uint32_t> from_triangle;
-  /// Triangles of the minuend that the boolean went through: all, or those near the other mesh.
+  /// Triangles of the minuend processed by the boolean: all, or those near the other mesh.
   std::size_t triangles_taken = 0;
 };
 
-/// How much of the minuend the boolean goes through.
+/// Part of the minuend that the boolean processes.
 enum class Reach {
-  kNear,   ///< what the other mesh can change, if it is less than half and can be closed by itself; else all
-  kWhole,  ///< all of it
+  kNear,   ///< the part near the other mesh, if less than half and closable by itself; else all
+  kWhole,  ///< the whole minuend
 };
 
 /// Boolean difference by corefinement (CGAL, Loriot et al., exact predicates, new points rounded to double).
-/// Vertices of the minuend that survive keep their coordinates bit for bit; triangles that do not meet the subtrahend's
-/// surface are copied.
+/// Surviving vertices of the minuend keep their coordinates bit for bit. Triangles that do not meet the subtrahend's
+/// surface are copies.
 /// Both reaches give the same mesh, bit for bit.
 /// @pre both closed, 2-manifold, oriented outward, without self-intersections where they meet.
-/// Fails with kGeometry when the library gives up (a self-intersection in the way); the inputs are untouched then.
-/// About 0.2 s for 200k minus 20k triangles. Thread: any, one at a time per call.
+/// Fails with kGeometry when the library gives up (a self-intersection in the way); the inputs stay unchanged. About
+/// 0.2 s for 200k minus 20k triangles. Thread: any, one at a time per call.
 Expected<Difference> subtract(const Mesh& minuend, const Mesh& subtrahend, Reach reach = Reach::kNear);
 
-/// minuend + added, as above: vertices of the minuend that are not inside `added` keep their coordinates bit for bit.
-/// What is new or of `added` has no origin.
+/// minuend + added, as above: vertices of the minuend outside `added` keep their coordinates bit for bit. New elements
+/// and those of `added` have no origin.
 Expected<Difference> unite(const Mesh& minuend, const Mesh& added, Reach reach = Reach::kNear);
 
-/// minuend ∩ other, as subtract() of the whole: the other side of the same cut, whose new vertices are the same points.
+/// minuend ∩ other, as subtract() with kWhole: the other side of the same cut, with new vertices at the same points.
 Expected<Difference> intersect(const Mesh& minuend, const Mesh& other);
 
-/// mesh ∩ box, closed, by the same corefinement; mm. Positions and triangles only. Empty when they do not meet; a box
-/// that contains the mesh gives it back as it is.
+/// mesh ∩ box, closed, by the same corefinement; mm. Positions and triangles only. Empty if they do not meet; the
+/// unchanged mesh if the box contains it.
 /// @pre as above. Fails with kGeometry as above, on an open mesh too. Thread: any. About 1 s for 300k triangles.
 Expected<Mesh> clipToBox(const Mesh& mesh, const Box3& box);
 

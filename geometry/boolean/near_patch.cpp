@@ -15,7 +15,7 @@
 namespace kerf::internal {
 namespace {
 
-constexpr std::size_t kSmallComponent = 256;  // triangles: sooner in the patch than with a cap of its own
+constexpr std::size_t kSmallComponent = 256;  // triangles: smaller ones join the patch instead of getting a cap
 constexpr int kMostGrowths = 20;              // of the patch, until its border does not touch itself
 
 Box3 boxOf(const Mesh& mesh, std::size_t t) {
@@ -24,7 +24,7 @@ Box3 boxOf(const Mesh& mesh, std::size_t t) {
   return box;
 }
 
-// ---- The other mesh, to be asked what is near it
+// ---- The other mesh, with queries for nearness
 
 class Surface {
  public:
@@ -77,8 +77,8 @@ std::vector<char> trianglesWithin(const Mesh& source, const Surface& other, doub
   return near;
 }
 
-// Labels of the triangles that are not near, by what they are connected to through vertices; the smallest vertex of
-// each component is its label.
+// Labels of the triangles that are not near, by their connection through vertices; the smallest vertex of each
+// component is its label.
 class Components {
  public:
   Components(const Mesh& source, const std::vector<char>& near) : parent_(source.vertices.size()) {
@@ -105,8 +105,8 @@ class Components {
   std::vector<std::uint32_t> parent_;
 };
 
-// A component that does not come near the surface of `other` lies inside or outside as a whole. What is inside goes
-// into the patch, where it vanishes; so does what is small.
+// A component away from the surface of `other` lies inside or outside as a whole. Inner components go into the patch,
+// where they vanish; small ones too.
 void takeInComponents(const Mesh& source, const Mesh& other, const Surface& surface, std::vector<char>& near) {
   Components components(source, near);
   std::vector<std::uint32_t> size(source.vertices.size(), 0);
@@ -122,8 +122,8 @@ void takeInComponents(const Mesh& source, const Mesh& other, const Surface& surf
     if (!near[t]) near[t] = is_taken[components.labelOf(source.triangles[t][0])];
 }
 
-// Whether each edge runs as often one way as the other. An open mesh passes as closed once in 2^64; where
-// four triangles meet at an edge it says nothing.
+// True if each edge runs as often one way as the other. An open mesh passes once in 2^64; edges with four triangles
+// stay unchecked.
 bool isClosed(const Mesh& mesh) {
   std::uint64_t sum = 0;
   for (const Triangle& t : mesh.triangles)
@@ -206,7 +206,7 @@ struct Cap {
 };
 
 // A cone from the rim to the apex, in rings: each has half the vertices of the one before and about twice its distance
-// from the rim. Its triangles stay about as wide as high, so that few of their boxes reach what is within the cone.
+// from the rim. Its triangles stay about as wide as high, so that few of their boxes reach the inside of the cone.
 Cap coneOver(const std::vector<Vec3d>& rim, const Vec3d& apex) {
   int rings = 1;
   for (std::size_t left = rim.size(); left > 5; left = (left + 1) / 2) ++rings;
@@ -271,7 +271,7 @@ std::optional<Cap> capOver(const std::vector<Vec3d>& rim, const Surface& surface
   return {};
 }
 
-// Puts a cap into the patch, whose vertex `at[k]` is number k of its rim.
+// Adds a cap to the patch; vertex `at[k]` of the patch is number k of the cap's rim.
 void addCap(const Cap& cap, const std::vector<std::uint32_t>& at, NearPatch& patch) {
   const auto first = static_cast<std::uint32_t>(patch.mesh.vertices.size());
   const auto rim = static_cast<std::uint32_t>(at.size());
@@ -354,7 +354,7 @@ bool isSameTurned(const Triangle& a, const Triangle& b) {
   return false;
 }
 
-// Whether each cap is there once, with its own corners.
+// True if each cap exists once, with its own corners.
 bool hasAllCaps(const NearPatch& patch, const Difference& near) {
   std::vector<char> is_there(patch.triangle.size(), 0);
   for (std::size_t t = 0; t < near.from_triangle.size(); ++t) {
@@ -435,7 +435,7 @@ std::optional<Difference> sewnToRest(const Mesh& source, const NearPatch& patch,
       near_number[v] = number[of];
   }
 
-  // Triangles of the patch stand in the source's order, then the caps, then what is new.
+  // Triangles of the patch come in the source's order, then the caps, then new ones.
   std::size_t next = 0;
   const auto putNear = [&](std::uint32_t of) {
     const Triangle& t = near.mesh.triangles[next++];

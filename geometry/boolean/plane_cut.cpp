@@ -32,7 +32,7 @@ Convex boxAround(const Box3& box) {
   return out;
 }
 
-// Takes away what lies below a plane. Vertices on it, to within rounding, count as above.
+// Removes the part below a plane. Vertices on it, to within rounding, count as above.
 Convex clipped(const Convex& solid, const Plane& plane) {
   constexpr double kOnPlane = 1e-12;  // of the largest coordinate
   double largest = 1;
@@ -79,7 +79,7 @@ Convex clipped(const Convex& solid, const Plane& plane) {
   }
   if (rim.empty()) return out;
 
-  // A face runs along its cut from where it goes down to where it comes up; the new face runs the other way.
+  // A face runs along its cut from its downward crossing to its upward one; the new face runs the other way.
   std::vector<std::uint32_t> face{rim.begin()->first};
   while (face.size() <= rim.size()) {
     const auto next = rim.find(face.back());
@@ -151,7 +151,7 @@ PieceBoxes piecesNear(const Mesh& mesh, const Vec3d& point) {
   return out;
 }
 
-// Planes around the wanted piece that keep the other pieces out of the room; none where there is but one piece.
+// Planes around the wanted piece that exclude the other pieces; none for a single piece.
 Expected<std::vector<Plane>> planesAround(const Mesh& above, const Vec3d& point) {
   constexpr double kMargin = 0.05;  // mm
   const PieceBoxes found = piecesNear(above, point);
@@ -190,7 +190,7 @@ double flatnessOf(const PostOpMesh& part, std::span<const Plane> planes) {
   double worst = 0;
   for (std::size_t t = 0; t < part.mesh.triangles.size(); ++t) {
     if (!part.is_cut[t]) continue;
-    // All of a face lies in one of the planes.
+    // A face lies wholly in one of the planes.
     double off = std::numeric_limits<double>::infinity();
     for (const Plane& plane : planes) {
       double here = 0;
@@ -202,7 +202,8 @@ double flatnessOf(const PostOpMesh& part, std::span<const Plane> planes) {
   return worst;
 }
 
-// Of a run, faces are cut already: those of the source keep their colours, what this cut made is told by its origin.
+// A run's mesh has cut faces already: faces of the source keep their colours; faces of this cut are known by their
+// origin.
 Expected<Attempt> attemptCut(const Mesh& source, const Mesh& room, std::span<const Plane> planes,
                              const PostOpOptions& options) {
   KERF_TRY(inside, intersect(source, room));
@@ -221,7 +222,7 @@ Expected<Attempt> attemptCut(const Mesh& source, const Mesh& room, std::span<con
   return out;
 }
 
-// What lies above all planes, within a box that the object does not reach.
+// The space above all planes, within a box larger than the object.
 Expected<Mesh> roomAbove(const Box3& box, std::span<const Plane> planes) {
   Convex room = boxAround(box);
   for (const Plane& plane : planes) room = clipped(room, plane);
@@ -257,7 +258,7 @@ Expected<PlaneCut> cutByPlanes(const Mesh& source, std::span<const Plane> asked,
   // Sides that are no multiple of anything: a face of the box and one of the object must not lie in one plane.
   box.grow(0.1 * box.size().norm() + 1.0123);
 
-  // Heights decide what needs no boolean.
+  // Heights decide simple cases without a boolean.
   bool all_above = true;
   for (const Plane& plane : planes) {
     bool any_above = false;

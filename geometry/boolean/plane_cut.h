@@ -1,5 +1,5 @@
-// A solid cut by planes, into what lies above all of them and the rest; both closed by flat faces. Above is the side to
-// which a normal points.
+// Cuts a solid by planes into the part above all of them and the rest; flat faces close both. Above is the side that a
+// normal points to.
 #pragma once
 
 #include <optional>
@@ -15,25 +15,25 @@
 namespace kerf {
 
 struct PlaneCutOptions {
-  /// Of the part above all planes only the piece nearest to this point is cut off; its other pieces stay with the rest.
+  /// Cuts off only the piece above all planes nearest to this point; other pieces stay with the rest.
   std::optional<Vec3d> piece_at;
   PostOpOptions post_op;
 };
 
 struct PlaneCut {
-  PostOpMesh above;        ///< of all planes
+  PostOpMesh above;        ///< above all planes
   PostOpMesh rest;         ///< below at least one
-  double flatness_mm = 0;  ///< farthest that a vertex of a cut face lies from the planes, after rounding to float32
-  double shift_mm = 0;     ///< the planes were moved so far along their normals, for float32's sake; most often 0
+  double flatness_mm = 0;  ///< largest distance of a vertex of a cut face from the planes, after rounding to float32
+  double shift_mm = 0;     ///< shift of the planes along their normals, to fit float32; usually 0
   int attempts = 1;
 };
 
-/// Both parts hold what postOperativeMesh() guarantees: vertices that are not cut stay bit for bit, the result is
-/// closed, 2-manifold and free of self-intersections after rounding to float32, or it is refused.
-/// @param planes  at least one, at most kMostCutPlanes; normals of any length but 0.   @pre source: as of
-/// postOperativeMesh(). Errors: kBadValue for a plane without direction or not finite; kEmpty when nothing lies above,
-/// or nothing below, with the heights at which the solid lies; kGeometry for planes that share no room, for pieces that
-/// stand too close to be told apart (`piece_at`), and where float32 has no such mesh.
+/// Both parts hold the guarantees of postOperativeMesh(): uncut vertices stay bit for bit; the result is closed,
+/// 2-manifold and free of self-intersections after rounding to float32. Otherwise an error.
+/// @param planes  at least one, at most kMostCutPlanes; normals of any length but 0.   @pre source: as in
+/// postOperativeMesh(). Errors: kBadValue for a plane without direction or not finite; kEmpty if nothing lies above, or
+/// nothing below, with the heights of the solid; kGeometry for planes without common space, for pieces too close to
+/// separate (`piece_at`), and if float32 has no such mesh.
 /// @cost  about 0.5 s for 100k triangles. @thread any; deterministic.
 Expected<PlaneCut> cutByPlanes(const Mesh& source, std::span<const Plane> planes, const PlaneCutOptions& options = {},
                                const Progress& progress = {});

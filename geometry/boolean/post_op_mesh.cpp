@@ -56,7 +56,7 @@ struct Crumbs {
   double volume = 0;
 };
 
-// Only what the cut touched: a small piece of the source that lies apart from it is the source's own business.
+// Only pieces touched by the cut: a small untouched piece belongs to the source.
 Crumbs findCrumbs(const Mesh& mesh, const std::vector<std::uint32_t>& from_triangle, double below_mm3) {
   Crumbs out;
   const Pieces pieces = edgeConnectedPieces(mesh);
@@ -88,7 +88,7 @@ Crumbs findCrumbs(const Mesh& mesh, const std::vector<std::uint32_t>& from_trian
   return out;
 }
 
-// The source as it is, each vertex and triangle its own origin: there is nothing to remove.
+// The unchanged source, each vertex and triangle its own origin: for a cut without removed volume.
 Difference uncut(const Mesh& source) {
   Difference cut;
   cut.mesh = {source.vertices, source.triangles, {}, {}};
@@ -114,7 +114,7 @@ Expected<Difference> cutAndAdd(const Mesh& source, const Mesh& removed, const Me
   report.removed_volume_mm3 = signedVolume(source) - signedVolume(cut.mesh);
   KERF_TRY(both, unite(cut.mesh, added));
   report.boolean_triangles = std::max(report.boolean_triangles, both.triangles_taken);
-  // Origins in what was cut become origins in the source.
+  // Maps origins in the cut mesh to origins in the source.
   for (std::uint32_t& v : both.from_vertex)
     if (v != kNoSource) v = cut.from_vertex[v];
   for (std::uint32_t& t : both.from_triangle)
@@ -122,7 +122,7 @@ Expected<Difference> cutAndAdd(const Mesh& source, const Mesh& removed, const Me
   return std::move(both);
 }
 
-// A mesh with what is known of its vertices and triangles.
+// A mesh with tags of its vertices and triangles.
 struct TaggedMesh {
   Mesh mesh;
   std::vector<std::uint32_t> tag;  // per triangle: of the source, or kNoSource
@@ -210,7 +210,7 @@ Expected<internal::FinishedCut> internal::finishCut(const Mesh& source, Differen
                  .expected = "something to print",
                  .hint = "a smaller cut"});
   if (out.why_not.empty()) {
-    // The clean-up has just searched this mesh for crossings, and left none.
+    // The clean-up has already found this mesh free of crossings.
     if (const MeshReport verdict = checkMesh(now.mesh, {.known_free_of_crossings = true}); !verdict.print_ready)
       out.why_not = verdict.reasons.empty() ? "not ready to print" : verdict.reasons.front();
   }
@@ -228,8 +228,8 @@ Expected<PostOpMesh> postOperativeMesh(const Mesh& source, const BrickField& rho
                                        const Progress& progress, const BrickField* added) {
   const double h = rho.voxel();
 
-  // Float32 is a lottery with good odds: a mesh that does not come out clean is tried again with the cut shifted by
-  // three thousandths of a voxel, which is far below the cut's own accuracy and never touches a source vertex.
+  // Rounding to float32 fails at random, but rarely: a retry shifts the cut by three thousandths of a voxel. That is
+  // far below the cut's accuracy, and moves no source vertex.
   constexpr int kAttempts = 4;
   Error last;
   for (int n = 1; n <= kAttempts; ++n) {

@@ -15,7 +15,7 @@ struct Place {
   std::size_t brick, node;
 };
 
-// The nodes beside those of a field, in bricks that are there.
+// The neighbours of a field's nodes, in existing bricks.
 class NodesBeside {
  public:
   explicit NodesBeside(const BrickField& field) : bricks_(field.brickCount()) {
@@ -70,9 +70,9 @@ void replaceValues(const BrickField& field, const Find& find, const Visit& visit
     for (const Found& one : found[b]) visit(Place{b, one.node}, one.value);
 }
 
-// MarchingCubesOptions::chord_balance, before the field is capped: a cap makes a crease, and beside a surface that is
-// cut by less than a voxel a crease weighs more than the chords.
-// @param counts  whether the value at a place is that of the surface to be meshed.
+// MarchingCubesOptions::chord_balance, before the cap: a cap makes a crease, and beside a surface cut by less than a
+// voxel a crease weighs more than the chords.
+// @param counts  true for places with a value of the meshed surface.
 template <class Counts>
 void balanceChords(BrickField& field, const NodesBeside& beside, const Counts& counts) {
   const float balance = MarchingCubesOptions{}.chord_balance, near = 1.8f * static_cast<float>(field.voxel());
@@ -104,12 +104,12 @@ void cap(BrickField& rho, const Before& before) {
   });
 }
 
-// The removed field of a cut of which only phi is known.
+// The removed field of a cut, from phi alone.
 //
 // Let c = phi - phi0 be the depth of the cut at a node. Where c > 0, phi is minus the distance from the tool, in the
-// air too: rho = -phi. Beyond the rim c is 0, and says only that the tool is farther away than the surface. There rho
-// goes on in a straight line, for two nodes. The distance from a convex tool bends up, so the largest of such lines is
-// the nearest to it. A part of the cut that is nowhere deeper than eps stays.
+// air too: rho = -phi. Beyond the rim c is 0: the tool is farther away than the surface. There rho continues in a
+// straight line, for two nodes. The distance from a convex tool bends up, so the largest of such lines is the best
+// estimate. Parts of the cut nowhere deeper than eps stay.
 class RemovedByField {
  public:
   // @param sign  -1: of negated fields, which turn an addition into a cut.
@@ -144,7 +144,7 @@ class RemovedByField {
     std::array<std::uint8_t, kBrickNodes> ring;  // 0: cut deeper than eps; n: n nodes away from that; kNone: farther
   };
 
-  // Where nothing was cut the surface of rho keeps off that of phi0, in creases of the source too.
+  // Away from the cut the surface of rho keeps a distance from that of phi0, in creases of the source too.
   void keepOffSource() {
     tbb::parallel_for(std::size_t{0}, bricks_.size(), [&](std::size_t b) {
       for (std::size_t n = 0; n < kBrickNodes; ++n) {
@@ -169,7 +169,7 @@ class RemovedByField {
   std::uint8_t ringOf(const Place& at) const { return bricks_[at.brick].ring[at.node]; }
   bool isNearSurface(const Place& at) const { return std::abs(before(at)) < 3 * h_; }
 
-  // @param phi  null: nothing was changed there.
+  // @param phi  null: no change there.
   void add(const Vec3i& coord, const BrickField& phi0, const BrickValues* phi) {
     const std::size_t b = rho_.touch(coord);
     bricks_.push_back({phi0.valuesAt(coord), phi, phi0.constantAt(coord), {}});
@@ -214,8 +214,8 @@ class RemovedByField {
     return now > was ? -now : line;
   }
 
-  // Where the line through a node and the one behind it comes to. Without the latter the cut is to be as far above the
-  // surface here as it is below it there.
+  // Extrapolates the line through a node and the one behind it. Without the latter, the cut is as far above the surface
+  // here as below it there.
   float lineFrom(const Place& near, int face, float was, const NodesBeside& beside) const {
     const float rho = valueAt(rho_, near);
     if (const auto far = beside.find(near, face)) {

@@ -71,7 +71,7 @@ Expected<void> readTable(const toml::table& root, const std::filesystem::path& p
   return t.finish();
 }
 
-// The same for every table of a list; null: there is none.
+// The same for every table of a list; null if none.
 template <class Read>
 Expected<void> forEachTable(const toml::array* list, const std::filesystem::path& path, const char* name,
                             const Read& read) {
@@ -85,7 +85,7 @@ Expected<void> forEachTable(const toml::array* list, const std::filesystem::path
   return {};
 }
 
-constexpr double kMostMm2 = 1e12, kMostMm3 = 1e12, kFarthestMm = 1e11;  // as far as a mesh in metres reads
+constexpr double kMostMm2 = 1e12, kMostMm3 = 1e12, kFarthestMm = 1e11;  // enough for a mesh in metres
 
 std::size_t readCount(TomlTable& t, const char* key) {
   constexpr std::int64_t kMost = std::int64_t{1} << 40;
@@ -351,14 +351,14 @@ Expected<Mesh> readCaseSolid(const std::filesystem::path& folder) {
 
 namespace {
 
-// What a check of a file's values says, with the file.
+// Adds the file to the error of a check of its values.
 Expected<void> ofFile(Expected<void> checked, const std::filesystem::path& file) {
   if (checked) return {};
   checked.error().file = file.string();
   return fail(std::move(checked).error());
 }
 
-// The field of the whole object, whose numbers are distances.
+// The field of the whole object, checked as distances.
 Expected<BrickField> readDistances(const std::filesystem::path& file) {
   KERF_TRY(phi, readVdb(file, "phi"));
   KERF_CHECK(ofFile(requireDistances(phi), file));

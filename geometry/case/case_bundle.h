@@ -1,6 +1,6 @@
 // The case bundle: a folder that holds one patient object, as imported and as baked.
 //
-//   case.toml       manifest: sources, unit, what was changed, voxel size, hashes; read this first
+//   case.toml       manifest: sources, unit, changes, voxel size, hashes; read this first
 //   source-N.EXT    every imported file, byte for byte (a folder of slices: a folder)
 //   recipe.toml     the case recipe, byte for byte, if there was one
 //   solid.ply       the closed mesh in mm that export cuts: the source's vertices first, in their order (float32)
@@ -30,38 +30,38 @@ inline constexpr const char* kCaseAnatomy = "anatomy.vdb";
 struct CaseSource {
   std::string stored_as;    ///< "source-1.stl"
   std::string format;       ///< "binary STL"
-  std::string sha256;       ///< of the file
+  std::string sha256;       ///< hash of the file
   std::string unit;         ///< "mm", "inch", "m" ...
-  std::string unit_reason;  ///< why that unit was taken
+  std::string unit_reason;  ///< reason for that unit
   double scale_to_mm = 1;
   std::size_t vertices = 0, triangles = 0;
 };
 
-/// One material of the object, as its labels count it.
+/// One material of the object's labels.
 struct CaseMaterial {
-  std::string id;  ///< as in materials.toml when the case was baked
-  int number = 0;  ///< what the material grid stores
+  std::string id;  ///< as in materials.toml at the bake
+  int number = 0;  ///< number in the material grid
   double volume_mm3 = 0;
 };
 
-/// One part of the recipe: what it brought and what it got.
+/// One part of the recipe, with its own and its resulting volume.
 struct CasePart {
   std::string material;
   std::string origin;     ///< "enamel.stl", "label 2", "depth < 1.5 mm"
   double own_mm3 = 0;     ///< volume of its mesh or label alone; 0 for a depth
-  double volume_mm3 = 0;  ///< in the object: less what earlier parts took, plus gaps that were filled
+  double volume_mm3 = 0;  ///< in the object: minus earlier parts, plus filled gaps
 };
 
 /// Two cases of one patient whose coordinates share a frame: an upper and a lower jaw that meet as scanned.
 struct CasePair {
   std::string frame;    ///< the same 64 hexadecimal digits in both cases, and in no others
-  std::string partner;  ///< name of the other case's folder, which was written beside this one
+  std::string partner;  ///< name of the other case's folder, beside this one
 };
 
-/// What lay in no part of the recipe.
+/// Volume outside all parts of the recipe.
 struct CaseGaps {
-  double unclaimed_mm3 = 0;  ///< all of it; places near a part went to it
-  double forgotten_mm3 = 0;  ///< of that, too far from every part: became the recipe's fallback
+  double unclaimed_mm3 = 0;  ///< all of it, including places assigned to a near part
+  double forgotten_mm3 = 0;  ///< share too far from every part: has the recipe's fallback material
 };
 
 /// The part of the object that has finer grids too.
@@ -77,11 +77,11 @@ struct CaseManifest {
   std::vector<CaseSource> sources;
   std::optional<CasePair> pair;
   std::string close_mode;            ///< "auto", "base", "repair", "wrap"
-  std::vector<std::string> changes;  ///< what closing changed, plain sentences
-  /// What closing did and cost, in numbers, by the keys of "closing" in kerf bake --json: "vertices_lost",
-  /// "bridged_mm2". Empty for a case of a recipe, and for one that an older Kerf baked.
+  std::vector<std::string> changes;  ///< changes by closing, plain sentences
+  /// Numbers of closing, by the keys of "closing" in kerf bake --json: "vertices_lost", "bridged_mm2". Empty for a case
+  /// of a recipe, and for one from an older Kerf.
   std::map<std::string, double> closing;
-  /// What baking warned of, sentences; nothing: an older Kerf baked it and did not keep them.
+  /// Warnings of baking, sentences; empty optional: from an older Kerf that did not store them.
   std::optional<std::vector<std::string>> warnings;
   bool exact = true;  ///< false: wrapped, the surface is an approximation of the scan
   double voxel_mm = 0;
@@ -94,7 +94,7 @@ struct CaseManifest {
   std::uint64_t field_voxels = 0, shell_points = 0;
   double shell_area_mm2 = 0;
   std::optional<CaseRegion> region;
-  std::string solid_sha256, field_sha256;  ///< of solid.ply and anatomy.vdb: a damaged file is refused, not cut
+  std::string solid_sha256, field_sha256;  ///< hashes of solid.ply and anatomy.vdb: a damaged file is an error
 };
 
 /// The baked field and its labels.
@@ -103,7 +103,7 @@ struct CaseFields {
   MaterialField materials;
 };
 
-/// Whether a key of CaseManifest::closing names a count: no length, area, volume or share.
+/// True if a key of CaseManifest::closing names a count, not a length, area, volume or share.
 bool isCountOfClosing(std::string_view key);
 
 /// True if the folder looks like a case (has a manifest).
@@ -111,13 +111,13 @@ bool isCase(const std::filesystem::path& folder);
 Expected<void> writeCaseManifest(const std::filesystem::path& folder, const CaseManifest& manifest);
 /// Strict: unknown or missing keys, a wrong format or a newer version are errors that name file, line and key.
 Expected<CaseManifest> readCaseManifest(const std::filesystem::path& folder);
-/// The solid in mm, double holding float32 values. A file that is not byte for byte what was baked is an error.
+/// The solid in mm, double holding float32 values. A file that differs by a byte from the baked one is an error.
 Expected<Mesh> readCaseSolid(const std::filesystem::path& folder);
-/// The baked field phi0. Checked against the manifest before OpenVDB sees it, which does not survive every damaged
-/// file.
+/// The baked field phi0. The manifest's hash is checked before OpenVDB reads it, because some damaged files crash
+/// OpenVDB.
 Expected<BrickField> readCaseField(const std::filesystem::path& folder);
-/// The finer field of the case's region: air everywhere outside it. Noise, and values of another object than `whole`,
-/// which is the baked field phi0, are refused by the grid's name. @pre the manifest has a region; else kNotFound.
+/// The finer field of the case's region: air everywhere outside it. Noise, and values of another object than `whole`
+/// (the baked field phi0), are errors that name the grid. @pre the manifest has a region; else kNotFound.
 Expected<BrickField> readCaseRegionField(const std::filesystem::path& folder, const BrickField& whole);
 /// The labels beside it; checked the same way.
 Expected<MaterialField> readCaseMaterials(const std::filesystem::path& folder);

@@ -1,4 +1,4 @@
-// A case against the table of materials it is cut with.
+// Compares a case with the table of materials of a cut.
 #pragma once
 
 #include <filesystem>
@@ -10,15 +10,15 @@
 
 namespace kerf {
 
-/// The voxels of a case hold numbers, and what a number means is the table's word: with another table gum would be cut
-/// as resin. Error kUnsupported, naming number and both ids: a number of the case has another id in the table, or none.
+/// The voxels of a case hold numbers, and the table defines their meaning: with another table Kerf would cut gum as
+/// resin. Error kUnsupported, naming number and both ids: a number of the case has another id in the table, or none.
 Expected<void> requireSameMaterials(const std::filesystem::path& case_folder, const CaseManifest& manifest,
                                     const MaterialTable& table);
 
-/// What a node of a case without a label is of: its first material.
+/// Material of unlabelled nodes of a case: its first material.
 Material fallbackOf(const CaseManifest& manifest);
 
-/// As requireSameMaterials(), of what was added to a case, as a run keeps it.
+/// As requireSameMaterials(), for material added to a case, as stored in a run.
 Expected<void> requireSameMaterials(const MaterialBricks& added, const MaterialTable& table);
 
 }  // namespace kerf

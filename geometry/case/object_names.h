@@ -1,7 +1,7 @@
 // Names of the objects in the source files of a case ("tooth 36"), for its pieces and exports.
 //
-// The names are read from the sources, which a case keeps byte for byte: a case of any age has them. A vertex that is
-// neither cut nor moved keeps its bits: its place in the source gives its object.
+// Kerf reads the names from the sources, which a case keeps byte for byte, so a case of any age has them. An uncut,
+// unmoved vertex keeps its bits: its place in the source gives its object.
 #pragma once
 
 #include <array>
@@ -27,20 +27,20 @@ struct NamedMesh {
 class ObjectNames {
  public:
   ObjectNames() = default;
-  /// Of the OBJ and 3MF files among the sources. A file that changed, or that Kerf cannot read, has no names: nothing
-  /// fails without them.   @cost  reads these files.
+  /// Names from the OBJ and 3MF files among the sources. A changed or unreadable file has no names; this is no error.
+  /// @cost  reads these files.
   static ObjectNames ofCase(const std::filesystem::path& folder, const CaseManifest& manifest);
-  /// Of one mesh, mm.
+  /// Names from one mesh, mm.
   static ObjectNames ofMesh(const Mesh& mesh, std::span<const NamedPart> objects);
 
   bool isEmpty() const { return names_.size() < 2; }
-  /// The name of the object of which most triangles are, by their corners; empty: of one without a name, or of none.
+  /// Name of the object with most triangles, by their corners; empty: an object without a name, or no object.
   std::string nameOf(const Mesh& mesh) const;
   /// The mesh with each solid under the name of nameOf(). Solids of several names stand one name after the other, those
   /// without a name first, and otherwise in their order. A mesh of one name keeps its order.
   /// @pre closed.   @cost  as solidsOf().
   NamedMesh grouped(const Mesh& mesh) const;
-  /// The same for a file; as it is if the format holds no names.   @param file  its extension is the format.
+  /// The same for a file; unchanged if the format holds no names.   @param file  its extension is the format.
   NamedMesh grouped(const Mesh& mesh, const std::filesystem::path& file) const;
 
  private:
@@ -56,8 +56,8 @@ class ObjectNames {
   std::uint32_t nameAt(const Vec3d& p) const;
 
   std::vector<std::string> names_{""};
-  std::vector<Vertex> vertices_;   // sorted; a place that two objects share is in none
-  std::uint32_t name_of_all_ = 0;  // the only name, of all objects; 0: there are several, or some without
+  std::vector<Vertex> vertices_;   // sorted; without places shared by two objects
+  std::uint32_t name_of_all_ = 0;  // the common name of all objects; 0: several names, or objects without a name
   bool has_unnamed_ = false;
 };
 

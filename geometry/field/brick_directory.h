@@ -1,4 +1,4 @@
-// Finds what is known of a brick by its coordinate, without a search: a box of bricks with one number each.
+// Looks up a brick's number by coordinate, without a search: a box of bricks with one number each.
 #pragma once
 
 #include <cstddef>
@@ -11,14 +11,14 @@
 namespace kerf {
 
 /// A number for each brick of a box [low, low + size), z fastest. Reading is safe from many threads, and so is setting
-/// the numbers of different bricks. Nothing but the constructor allocates.
+/// the numbers of different bricks. Only the constructor allocates.
 class BrickDirectory {
  public:
   static constexpr std::int32_t kNone = -1;
 
   BrickDirectory() = default;
   /// Every brick has kNone. Takes 4 bytes a brick of the box.
-  /// @param memory  is used as far as it goes: for who reserved it in large pages.
+  /// @param memory  buffer to reuse, such as one reserved in large pages.
   BrickDirectory(const Vec3i& low, const Vec3i& size, std::vector<std::int32_t> memory = {})
       : low_(low), size_(size), numbers_(std::move(memory)) {
     numbers_.assign(static_cast<std::size_t>(size.cast<std::ptrdiff_t>().prod()), kNone);

@@ -1,7 +1,7 @@
 // Sparse scalar field on a regular grid, stored in bricks of 8^3 nodes found by a spatial hash of the brick coordinate.
 //
 // Node (i, j, k) stands at voxel * (i, j, k) mm in the object's frame. A brick is one OpenVDB leaf node: same size,
-// same node order (z fastest), so fields go to and from .vdb files by copying. Where no brick is stored the field is
+// same node order (z fastest), so fields go to and from .vdb files by copying. Without a stored brick the field is
 // constant: `background` outside, -`background` in bricks marked as interior.
 #pragma once
 
@@ -67,7 +67,7 @@ class BrickField {
                ? constantAt(c)
                : values_[static_cast<std::size_t>(b)][static_cast<std::size_t>(nodeOffset(node[0], node[1], node[2]))];
   }
-  /// The brick at a coordinate, made if missing, filled with the constant that stood there.
+  /// The brick at a coordinate, created if missing, filled with the constant of that place.
   std::size_t touch(const Vec3i& brick_coord);
   /// Adds a brick with these values. @pre none is there yet.
   std::size_t add(const Vec3i& brick_coord, std::span<const float, kBrickNodes> values);

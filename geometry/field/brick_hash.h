@@ -1,4 +1,4 @@
-// The terms of BrickField::stateHash(), for those who keep it up to date brick by brick.
+// The terms of BrickField::stateHash(), to update it brick by brick.
 #pragma once
 
 #include <bit>
@@ -19,7 +19,7 @@ inline std::uint64_t hashOfNoBricks(double voxel) noexcept {
   return internal::mixHash(0x6b657266ull, std::bit_cast<std::uint64_t>(voxel));
 }
 
-/// What bricks of these keys (coordKey) and values add. Four side by side take as long as one: a hash waits for its
+/// Terms of bricks with these keys (coordKey) and values. Four in parallel take as long as one: a hash waits for its
 /// last value, not for the processor.  @rt safe.
 template <int N>
 std::array<std::uint64_t, N> brickHashes(const std::array<std::uint64_t, N>& keys,

@@ -1,8 +1,8 @@
-// Finds bricks by their coordinate: a number for each that is stored, a bit for each that lies wholly inside.
+// Finds bricks by their coordinate: a number for each stored brick, a bit for each brick wholly inside.
 //
 // A field of an object has some stored bricks, about its surface, and up to a million deep inside. The stored ones are
-// in a table of open addresses: one piece of memory, 16 bytes an entry, at most three quarters of it used. Those inside
-// lie side by side: they are kept as 512 bits a block of 8^3 bricks, and the blocks in another such table.
+// in an open-addressing table: one block of memory, 16 bytes an entry, at most three quarters full. Inner bricks are
+// contiguous: 512 bits hold a block of 8^3 bricks, and another such table holds the blocks.
 #pragma once
 
 #include <array>
@@ -28,7 +28,7 @@ constexpr std::array<int, 3> coordOfKey(std::uint64_t key) {
           static_cast<int>(key & kMask) - kBias};
 }
 
-/// Numbers by key, as coordKey() makes them. Nothing visits its entries: their order is that of the table.
+/// Numbers by key of coordKey(). No iteration over entries: their order depends on the table.
 class KeyTable {
  public:
   static constexpr std::int32_t kNone = -1;
@@ -76,17 +76,17 @@ class BrickIndex {
 
   /// The number of a stored brick, or kNone.
   std::int32_t find(const Vec3i& brick) const noexcept { return stored_.find(coordKey(brick)); }
-  /// Whether a brick is marked as lying wholly inside. A stored one never is.
+  /// True if a brick is marked as wholly inside. A stored one never is.
   bool isInterior(const Vec3i& brick) const noexcept {
     const std::int32_t block = blocks_.find(coordKey(blockOf(brick)));
     return block != kNone && (bits_[static_cast<std::size_t>(block)][wordOf(brick)] & bitOf(brick)) != 0;
   }
 
-  /// A brick that is stored from now on; it is not marked any more. @pre find(brick) is kNone; number >= 0.
+  /// Adds a stored brick and removes its mark. @pre find(brick) is kNone; number >= 0.
   void add(const Vec3i& brick, std::int32_t number);
   /// Does nothing to a stored brick.
   void markInterior(const Vec3i& brick);
-  /// The bricks that are marked, in order of coordKey().
+  /// The marked bricks, in order of coordKey().
   std::vector<Vec3i> interior() const;
   /// Memory for that many stored bricks in all.
   void reserve(std::size_t bricks) { stored_.reserve(bricks); }
@@ -102,7 +102,7 @@ class BrickIndex {
 
   KeyTable stored_, blocks_;
   std::vector<Vec3i> block_coords_;
-  std::vector<Bits> bits_;  // of each block
+  std::vector<Bits> bits_;  // bits of each block
 };
 
 }  // namespace kerf

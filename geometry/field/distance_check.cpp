@@ -9,7 +9,7 @@ namespace kerf {
 namespace {
 
 constexpr double kMostStep = 1.5;    // voxels from node to node; exact distances: 1
-constexpr double kMostShare = 0.01;  // of pairs, of nodes: what is worse is no slip of an edge
+constexpr double kMostShare = 0.01;  // of pairs, of nodes: a larger share is more than a defect at an edge
 constexpr double kMostShareOfCut = 0.2;
 
 tl::unexpected<Error> refuseDistances(const std::string& grid, std::string found, std::string expected) {
@@ -75,7 +75,7 @@ void countSteps(const BrickField& phi, std::size_t b, Tally& steps) {
         steps.add(!(std::abs(v[static_cast<std::size_t>(n + axis)] - v[static_cast<std::size_t>(n)]) <= most), b, n);
 }
 
-// Nodes at the faces beyond which there is nothing: they lie outside.
+// Counts nodes at faces without a neighbour: they must lie outside.
 void countOutside(const BrickField& phi, std::size_t b, Tally& outside) {
   for (int axis = 0; axis < 3; ++axis)
     for (const int side : {-1, 1}) {

@@ -71,7 +71,7 @@ HWY_INLINE V fromBox(F f, const FieldTable& t, V x, V y, V z) {
   const V dx = outOf(f, x, t.low[0], t.high[0]), dy = outOf(f, y, t.low[1], t.high[1]),
           dz = outOf(f, z, t.low[2], t.high[2]);
   const V zero = hn::Zero(f);
-  // Inside, and before a side, no root is needed: it would give the same bits.
+  // Inside, and before a side, a root is unnecessary: it would give the same bits.
   const V higher = hn::Max(dx, dy), largest = hn::Max(higher, dz);
   const V second = hn::Max(hn::Min(dx, dy), hn::Min(higher, dz));
   if (hn::AllTrue(f, hn::Le(second, zero))) return largest;
@@ -81,7 +81,7 @@ HWY_INLINE V fromBox(F f, const FieldTable& t, V x, V y, V z) {
   return hn::Add(outside, hn::Min(largest, zero));
 }
 
-// One loop per form, over a table of its own: what may not change while results are written stays in registers.
+// One loop per form, over a local copy of the table: constants stay in registers while the loop writes results.
 template <TableForm kForm>
 HWY_INLINE void lookUpAll(const FieldTable& table, const float* HWY_RESTRICT x, const float* HWY_RESTRICT y,
                           const float* HWY_RESTRICT z, float* HWY_RESTRICT out, int n) {

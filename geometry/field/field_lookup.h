@@ -1,4 +1,4 @@
-// The loop behind ToolField: many look-ups at once, in whatever vector instructions the processor has.
+// The loop behind ToolField: many look-ups at once, with the processor's vector instructions.
 #pragma once
 
 #include <array>
@@ -12,14 +12,14 @@ enum class TableForm : int {
   kBox  ///< no table: the distance to the box from `low` to `high` is a formula
 };
 
-/// A tool's table as the loop needs it: see ToolField.
+/// A tool's table for the loop: see ToolField.
 struct FieldTable {
   const float* values = nullptr;  ///< kBox: not read
   TableForm form = TableForm::kSpatial;
   float inverse = 1;                             ///< samples per mm
-  float half = 0;                                ///< of a plate, mm
-  float reach = 0;                               ///< how far beyond the solid the table is right, mm
-  std::array<float, 3> low{}, high{}, origin{};  ///< of the solid, and the table's first sample, mm
+  float half = 0;                                ///< half thickness of a plate, mm
+  float reach = 0;                               ///< valid range of the table beyond the solid, mm
+  std::array<float, 3> low{}, high{}, origin{};  ///< box of the solid, and the table's first sample, mm
   std::array<int, 3> size{0, 0, 1};
 };
 

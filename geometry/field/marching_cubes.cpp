@@ -173,7 +173,7 @@ void marchingCubesOfBrick(const BrickNeighbours& field, const MarchingCubesOptio
     out.positions.push_back(h * ((base + n).cast<double>() + t * d.cast<double>()));
     if (with_normals) {
       const auto s = static_cast<float>(t);
-      // A plate thinner than two voxels may have no gradient left: then the edge itself says which way is out.
+      // A plate thinner than two voxels may have no gradient: then the edge gives the outward direction.
       out.normals.push_back(unitOr((1 - s) * patch.gradient(n[0], n[1], n[2]) + s * patch.gradient(m[0], m[1], m[2]),
                                    (a < 0 ? 1.0f : -1.0f) * d.cast<float>()));
     }

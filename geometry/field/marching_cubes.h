@@ -15,19 +15,19 @@
 namespace kerf {
 
 struct MarchingCubesOptions {
-  /// Values nearer to zero than this many voxels are moved away from it (keeping their sign; zero counts as positive),
-  /// so that no vertex lands on a node and no triangle collapses. 0.02 costs at most 0.02 voxels of accuracy.
+  /// Moves values nearer to zero than this many voxels away from it (same sign; zero counts as positive), so that no
+  /// vertex lands on a node and no triangle collapses. 0.02 costs at most 0.02 voxels of accuracy.
   double snap_voxels = 0.02;
   /// Subtracts this times the field's discrete Laplacian (h^2 times twice the mean curvature) before meshing, 0 = off.
   /// Triangles are chords of the surface and linear interpolation moves their corners further in: a plain mesh of a
   /// ball of radius r is short by about 0.5 (h/r)^2 of its volume. The default places the mesh as much outside as
-  /// inside. Flat walls do not notice; too large a value (> 0.16) makes the field oscillate.
+  /// inside. Flat walls do not change; too large a value (> 0.16) makes the field oscillate.
   float chord_balance = 0.1f;
 };
 
-/// A brick with the 26 around it: all that the cells of the brick read. The cells of a brick are those whose lowest
-/// corner is one of its nodes; with their corners and the corners' neighbours (chord_balance) they reach from one node
-/// below the brick to two above it.
+/// A brick with the 26 around it: the input of its cells. The cells of a brick are those whose lowest corner is one of
+/// its nodes; with their corners and the corners' neighbours (chord_balance) they reach from one node below the brick
+/// to two above it.
 struct BrickNeighbours {
   Vec3i brick = Vec3i::Zero();  ///< brick coordinate
   double voxel = 0;             ///< mm
@@ -56,9 +56,8 @@ BrickNeighbours neighboursOf(const Field& field, const Vec3i& brick) {
 
 /// The part of a surface that lies in the cells of one brick.
 struct BrickSurface {
-  /// What a vertex stands on: a grid edge (its lower node, axis 0..2) or the middle of a loop of a cell (the cell's
-  /// lowest node, 3 + loop). Bricks that share a vertex give it the same name and, bit for bit, the same position and
-  /// normal.
+  /// Place of a vertex: a grid edge (its lower node, axis 0..2) or the middle of a loop of a cell (the cell's lowest
+  /// node, 3 + loop). Bricks with a common vertex give it the same name and, bit for bit, the same position and normal.
   struct Name {
     std::uint64_t node = 0;
     std::uint32_t what = 0;
@@ -66,12 +65,12 @@ struct BrickSurface {
   };
   std::vector<Name> names;          ///< one per vertex, each once
   std::vector<Vec3d> positions;     ///< mm
-  std::vector<Vec3f> normals;       ///< unit, outward, of the field's gradient; empty unless asked for
+  std::vector<Vec3f> normals;       ///< unit, outward, of the field's gradient; empty unless requested
   std::vector<Triangle> triangles;  ///< counter-clockwise seen from outside
 };
 
-/// Marching cubes of one brick's cells: what marchingCubes() does for every brick. Replaces `out`, whose memory is used
-/// again. About 1 us where the surface is not near (its values are only compared), 20 us where it passes through.
+/// Marching cubes of one brick's cells, as marchingCubes() does for every brick. Replaces `out` and reuses its memory.
+/// About 1 us away from the surface (comparison of values only), 20 us at the surface.
 void marchingCubesOfBrick(const BrickNeighbours& field, const MarchingCubesOptions& options, bool with_normals,
                           BrickSurface& out);
 

@@ -21,7 +21,7 @@ std::string noMaterial(const openvdb::Int32Grid& grid, std::int32_t number, cons
   return fmt::format("material {} {}; materials are 1 to 255", number, internal::vdbPlace(grid, at));
 }
 
-// Outside the leaves there is nothing. Empty: so it is.
+// Checks that the grid has no values outside its leaves. Empty if so.
 std::string faultOfTiles(const openvdb::Int32Grid& grid) {
   if (grid.background() != 0) return fmt::format("material {} as background", grid.background());
   auto tile = grid.tree().cbeginValueAll();
@@ -32,7 +32,7 @@ std::string faultOfTiles(const openvdb::Int32Grid& grid) {
   return {};
 }
 
-// The grid's leaves, in the order of the file. Returns what is wrong with them; empty: nothing.
+// The grid's leaves, in the order of the file. Returns the first error; empty if none.
 std::string readLeaves(internal::VdbGridFile& file, const openvdb::Int32Grid& grid, MaterialBricks& out) {
   const std::size_t count = grid.tree().leafCount();
   out.bricks.reserve(count);

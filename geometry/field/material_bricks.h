@@ -1,4 +1,4 @@
-// The materials of single bricks of an object, where they are no longer those of its case: something was added there.
+// Materials of single bricks of an object that differ from its case, after material was added there.
 #pragma once
 
 #include <array>
@@ -17,15 +17,15 @@ namespace kerf {
 /// Name of their grid in a file.
 inline constexpr const char* kMaterialGrid = "material";
 
-/// Whole bricks: each of their nodes has a material, whether it is inside or not.
+/// Whole bricks: each node has a material, inside and outside.
 struct MaterialBricks {
   using Numbers = std::array<std::uint8_t, kBrickNodes>;
 
   double voxel = 0;                           ///< mm
-  std::vector<Vec3i> bricks;                  ///< each once, by growing coordKey(): find() asks for that
-  std::vector<Numbers> numbers;               ///< of the same: 1 to 255, in the order of a brick's nodes
-  std::map<std::uint8_t, std::string> added;  ///< number and id of what was added, by the table of materials then
-  std::filesystem::path file;                 ///< that they were read from, for messages; not stored
+  std::vector<Vec3i> bricks;                  ///< each once, by growing coordKey(), as find() requires
+  std::vector<Numbers> numbers;               ///< numbers of these bricks: 1 to 255, in the order of a brick's nodes
+  std::map<std::uint8_t, std::string> added;  ///< number and id of the added materials, by the table of that time
+  std::filesystem::path file;                 ///< source file, for messages; not stored
 
   bool isEmpty() const { return bricks.empty(); }
   /// Null: that brick is as in the case.   @cost  O(log n).
@@ -33,16 +33,16 @@ struct MaterialBricks {
 };
 
 /// Reads the int32 grid `material` of a run's file. A file without such a grid has no bricks.
-/// Refused, with the place: numbers that no material has, materials of more than whole bricks, another type, more than
-/// a uniform scale, and files whose structure does not add up: before memory is taken for them.
+/// Errors with the place, before allocation: numbers without a material, materials beyond whole bricks, another type,
+/// more than a uniform scale, and files with an inconsistent structure.
 Expected<MaterialBricks> readMaterialBricks(const std::filesystem::path& vdb);
 
-/// Refuses bricks that were never of this case: another voxel size, or a node whose material is neither the case's nor
-/// one of those that were added.   @param in_case  kNone counts as `fallback`.
+/// Rejects bricks of another case: another voxel size, or a node whose material is neither the case's nor an added one.
+/// @param in_case  kNone counts as `fallback`.
 /// Error kBadValue with the first place.   @cost  1 us a brick.
 Expected<void> requireOnlyAdded(const MaterialBricks& bricks, const MaterialField& in_case, Material fallback);
 
-/// The labels of a case with these bricks in the place of its own.   @pre requireOnlyAdded().
+/// The labels of a case, with these bricks replacing its own.   @pre requireOnlyAdded().
 MaterialField laidOver(MaterialField in_case, MaterialBricks bricks);
 
 }  // namespace kerf

@@ -15,8 +15,8 @@
 
 namespace kerf {
 
-// The tree as stored, but for the values of its leaves: these would take four times as much as the numbers do, and most
-// leaves are of one material.
+// The stored tree, without the values of its leaves: these would take four times the memory of the numbers, and most
+// leaves have one material.
 struct MaterialField::Grid {
   using Leaf = openvdb::Int32Tree::LeafNodeType;
   using Numbers = std::array<std::uint8_t, kBrickNodes>;
@@ -57,7 +57,7 @@ struct MaterialField::Grid {
 
   // Returns the first number that no material has; empty: none.
   std::string read(internal::VdbGridFile& file) {
-    mixed.reserve(labels->tree().leafCount());  // what is not used of it is never touched
+    mixed.reserve(labels->tree().leafCount());  // unused memory is never touched
     internal::adviseLargePages(static_cast<void*>(mixed.data()), mixed.capacity() * sizeof(Numbers));
     Numbers numbers;
     std::array<std::int32_t, kBrickNodes> values;

@@ -1,4 +1,4 @@
-// The labels of a baked object: which material every node is made of.
+// The labels of a baked object: the material of every node.
 #pragma once
 
 #include <cstdint>
@@ -21,19 +21,19 @@ class MaterialField {
   double voxel() const;  ///< mm
   /// kNone outside the object and its shell. Any thread; about 50 ns.
   Material at(const Vec3i& node) const;
-  /// The material of a whole brick, kNone included; nothing: it has several. Any thread; about 50 ns.
+  /// The material of a whole brick, kNone included; empty if it has several. Any thread; about 50 ns.
   std::optional<Material> oneOf(const Vec3i& brick) const;
   /// The numbers of a whole brick's materials, in the order of its nodes (brick_field.h); those above 255 as 0. True if
   /// all of them are the same. Any thread; microseconds.
   bool copyBrick(const Vec3i& brick, std::span<std::uint8_t, 512> out) const;
-  /// Of the node nearest to a point, mm; if that is none, of the nearest labelled one within two voxels.
+  /// Material of the node nearest to a point, mm; if that is kNone, of the nearest labelled one within two voxels.
   Material near(const Vec3d& p) const;
 
  private:
   std::shared_ptr<const Grid> grid_;
 };
 
-/// Reads the int32 grid `material` of a .vdb file. Refused: no such grid, another type, more than a uniform scale.
+/// Reads the int32 grid `material` of a .vdb file. Errors: no such grid, another type, more than a uniform scale.
 Expected<MaterialField> readMaterialField(const std::filesystem::path& vdb);
 
 }  // namespace kerf

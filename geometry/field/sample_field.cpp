@@ -7,7 +7,7 @@ namespace kerf {
 
 namespace {
 
-// Shows all bricks that are not outside: visit(brick, whether it is deep inside), which returns false to end.
+// Calls visit(brick, is_deep_inside) for all bricks not outside, until it returns false.
 template <class Visit>
 void forEachBrick(const std::function<double(const Vec3d&)>& distance, const Box3& box, double voxel, double band,
                   const Progress& progress, const Visit& visit) {

@@ -1,4 +1,4 @@
-// Making tissues visible: an object coloured by material, and cut open by a plane.
+// Display of tissues: an object coloured by material, and cut open by a plane.
 #pragma once
 
 #include <functional>
@@ -11,8 +11,8 @@ namespace kerf {
 /// Gives every triangle the colour of the material at its middle.
 void colorByMaterial(Mesh& mesh, const MaterialField& materials, const MaterialTable& table);
 
-/// What of an object lies below a plane, closed by a picture of its inside: one square per voxel, coloured by material,
-/// trimmed to the outline by linear interpolation. For the eye only: the lid is not joined to the rest.
+/// The part of an object below a plane, closed by a picture of its inside: one square per voxel, coloured by material,
+/// trimmed to the outline by linear interpolation. For display only: the lid is not joined to the rest.
 /// @param surface  closed, mm, with face colours.   @param distance  to the object, mm, negative inside.
 /// @param voxel  side of the squares, mm.
 Mesh section(const Mesh& surface, const std::function<double(const Vec3d&)>& distance, double voxel,

@@ -21,12 +21,12 @@ static_assert(std::endian::native == std::endian::little, "the file is read as i
 
 constexpr std::int64_t kVdbMagic = 0x56444220;
 constexpr std::uint32_t kOldestVdb = 222, kNewestVdb = 224;
-constexpr std::int32_t kMostVdbEntries = 10'000, kMostVdbText = 1 << 16;  // far more than a name has
+constexpr std::int32_t kMostVdbEntries = 10'000, kMostVdbText = 1 << 16;  // far above the length of a name
 
-/// Reads a regular file through one block of 256 kB. After the first number that is not there it reads zeros.
+/// Reads a regular file through one block of 256 kB. After the first missing number it reads zeros.
 class VdbReader {
  public:
-  /// A pipe or a device is neither waited for nor read: isGood() is false then.
+  /// Neither waits for nor reads a pipe or a device: isGood() is false then.
   explicit VdbReader(const std::filesystem::path& path)
       : fd_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)), block_(std::size_t{1} << 18) {
     struct stat status {};
@@ -45,7 +45,7 @@ class VdbReader {
   std::int64_t left() const { return size_ - at_; }
 
   void goTo(std::int64_t at) {
-    if (at < 0 || at > size_) return fail();  // a file that was cut short
+    if (at < 0 || at > size_) return fail();  // a truncated file
     at_ = at;
   }
   void skip(std::int64_t bytes) {
@@ -91,7 +91,7 @@ class VdbReader {
     return good_ ? out : std::string();
   }
 
-  /// Calls visit(name, type, size) for each entry, at its first byte; goes on behind it wherever visit() stops.
+  /// Calls visit(name, type, size) for each entry, at its first byte; continues behind it wherever visit() stops.
   template <class Visit>
   void metadata(const Visit& visit) {
     const auto entries = number<std::int32_t>();
@@ -116,7 +116,7 @@ class VdbReader {
 
   int fd_;
   bool good_ = false;
-  std::int64_t size_ = 0, at_ = 0, begin_ = 0, end_ = 0;  // of the file; the next byte; the block
+  std::int64_t size_ = 0, at_ = 0, begin_ = 0, end_ = 0;  // file size; the next byte; the block
   std::vector<char> block_;
 };
 

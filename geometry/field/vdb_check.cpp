@@ -1,18 +1,18 @@
 // OpenVDB's reader allocates by counts and lengths from the file, and some of them make it read past a buffer. This
-// walk takes the same steps through the file and refuses whatever does not add up.
+// walk takes the same steps through the file and rejects every inconsistency.
 //
-// Why a walk and no child process with limits, as slices of DICOM are tried: a child would read every grid a second
-// time, and a limit that lets a field of 2 GB pass also lets a small forged file take 2 GB.
+// Reason for a walk, and no child process with limits as for DICOM slices: a child would read every grid a second time,
+// and a limit that lets a field of 2 GB pass also lets a small forged file take 2 GB.
 //
-// Layout of a grid (openvdb/tree/RootNode.h, InternalNode.h, LeafNode.h, io/Compression.h), after what vdb_header.cpp
-// tells of the file:
+// Layout of a grid (openvdb/tree/RootNode.h, InternalNode.h, LeafNode.h, io/Compression.h), after the part in
+// vdb_header.cpp:
 //
 //   grid     u32 compression, metadata, string map, 15 doubles of a UniformScaleMap, i32 buffers = 1, root, buffers
 //   root     background, u32 tiles, u32 children; tile: 3 i32, value, bool; child: 3 i32, node
 //   node     child mask, value mask, values, its children: 32^3 of nodes, 16^3 of leaves; leaf: value mask
 //   buffers  of each leaf: value mask, values
 //   values   i8 kind, 0 to 2 inactive values, a mask of 0 or 1 bits for each, the values in a block
-//   block    with compression i64 bytes: packed, or the negative of what they are unpacked; then these bytes
+//   block    with compression i64 bytes: packed size, or the negative of the unpacked size; then these bytes
 #include "geometry/field/vdb_check.h"
 
 #include <fmt/format.h>
@@ -32,7 +32,7 @@ constexpr std::uint32_t kZip = 1, kActiveMask = 2, kBlosc = 4;
 constexpr std::int64_t kValue = 4;                // bytes of a float or an int32
 constexpr std::int64_t kMostMetadata = 16 << 20;  // bytes of one entry
 constexpr std::int32_t kRootSide = 4096;          // nodes along a child of the root
-constexpr std::int32_t kFarthest = 1 << 23;       // of a node from the origin: what coordKey() can tell apart
+constexpr std::int32_t kFarthest = 1 << 23;       // of a node from the origin: the range of coordKey()
 constexpr std::int64_t kLeafNodes = 512, kLowNodes = 4096, kHighNodes = 32768;
 constexpr std::int64_t kLeastHighNode = 2 * kHighNodes / 8 + 1;
 
@@ -45,7 +45,7 @@ class GridWalk {
  public:
   GridWalk(VdbReader& in, std::string_view type) : in_(in), type_(type) {}
 
-  /// What does not add up, and at which byte; empty: the grid may be read.
+  /// The inconsistency and its byte; empty if the grid is safe to read.
   std::string fault() const {
     if (fault_.empty() && in_.isGood()) return {};
     return fmt::format("byte {}: {}", in_.at(), fault_.empty() ? "cut short, or a length that no file has" : fault_);
@@ -68,7 +68,7 @@ class GridWalk {
       const Place place{in_.number<std::int64_t>(), in_.number<std::int64_t>(), in_.number<std::int64_t>()};
       if (place.begin < in_.at() || place.block < place.begin || place.end < place.block)
         return refuse("an index of grids that goes backwards");
-      // OpenVDB cuts what follows this character off a name, and would find two of the same.
+      // OpenVDB cuts a name off at this character, and would find two equal names.
       if (found.find('\x1e') != found.npos || (found == name && wanted)) return refuse("two grids of one name");
       if (found == name) {
         if (stored != type_) return refuse(fmt::format("a grid of type {}", stored.substr(0, 40)));
@@ -108,7 +108,7 @@ class GridWalk {
     for (std::int64_t leaf = 0; leaf < leaves_ && isGood(); ++leaf) values(mask<kLeafNodes>(), kLeafNodes);
   }
 
-  // OpenVDB reads an entry by its type, whatever its size says.
+  // OpenVDB reads an entry by its type, and ignores its size.
   void metadata() {
     in_.metadata([this](const std::string& name, const std::string& type, std::int32_t size) {
       if (size > kMostMetadata) return refuse(fmt::format("metadata of {} bytes", size));
@@ -124,7 +124,7 @@ class GridWalk {
     });
   }
 
-  // Where each leaf's block lies, which OpenVDB writes on the grid: a count, and two lists as long.
+  // Places of the leaves' blocks, as grid metadata of OpenVDB: a count, and two lists of that length.
   void delayedLoad(std::int32_t size) {
     if (size == 0) return;
     const std::int64_t end = in_.at() + size;

@@ -1,5 +1,5 @@
-// What a .vdb file says of its grids, read without OpenVDB: that library does not survive every damaged file, and to
-// hash half a gigabyte first takes longer than all else that `kerf info` does.
+// Grid headers of a .vdb file, read without OpenVDB: some damaged files crash that library, and hashing half a gigabyte
+// first takes longer than the rest of `kerf info`.
 //
 // Layout (openvdb/io/Archive.cc, GridDescriptor.cc, math/Transform.cc; version 222 and later, little endian):
 //
@@ -21,7 +21,7 @@ namespace {
 
 using internal::VdbReader;
 
-// A grid, from what stands at its beginning.
+// A grid, from its header.
 std::optional<VdbGridInfo> readGrid(VdbReader& in, std::string name, std::string type) {
   constexpr std::string_view kHalf = "_HalfFloat";  // how the values are stored is not part of the type
   if (type.ends_with(kHalf)) type.resize(type.size() - kHalf.size());

@@ -22,7 +22,7 @@ static_assert(openvdb::FloatTree::LeafNodeType::SIZE == kBrickNodes, "a brick is
 
 Vec3i toVec(const openvdb::Coord& c) { return {c.x(), c.y(), c.z()}; }
 
-// What no field of ours holds, and what would be cut as if it were tissue, or take all memory.
+// True for values outside Kerf's fields: Kerf would cut them as tissue, or use all memory.
 bool isBeyond(float value, double voxel) {
   const double most = 1000 * voxel;  // mm; bands are a few voxels wide
   return !(std::abs(static_cast<double>(value)) <= most);
@@ -40,12 +40,12 @@ openvdb::FloatTree::ValueAllCIter tilesOf(const openvdb::FloatGrid& grid) {
   return tile;
 }
 
-// Bricks deep inside that a file may state: a mandible at 0.05 mm has about one million. They need no bytes of their
-// own, so a small file could state any number. A band of n leaves encloses fewer than n^1.5 bricks, and a fine region
-// that lies inside tissue has no band at all.
+// Bricks deep inside that a file may state: a mandible at 0.05 mm has about one million. They take no bytes in the
+// file, so a small file could state any number. A band of n leaves encloses fewer than n^1.5 bricks, and a fine region
+// inside tissue has no band.
 constexpr std::int64_t kMostInterior = 16'000'000, kInteriorWithoutBand = 1'000'000;
 
-// Of all but the values of leaves. Empty: nothing.
+// Error in the grid, except in the values of leaves. Empty if none.
 std::string faultOf(const openvdb::FloatGrid& grid) {
   const double voxel = grid.voxelSize()[0];
 
@@ -71,11 +71,11 @@ std::string faultOf(const openvdb::FloatGrid& grid) {
   return {};
 }
 
-// Of the values of a leaf. Empty: nothing.
+// Error in the values of a leaf. Empty if none.
 std::string faultOf(const openvdb::FloatGrid& grid, const openvdb::FloatTree::LeafNodeType& leaf,
                     const BrickValues& values) {
   const double voxel = grid.voxelSize()[0];
-  // Nearly always nothing is wrong, which a plain loop tells sooner.
+  // A plain loop first: the values are almost always valid.
   const auto surely_fine = static_cast<float>(500 * voxel);
   int unsure = 0;
   for (const float value : values) unsure += static_cast<int>(!(std::abs(value) <= surely_fine));
@@ -97,7 +97,7 @@ BrickField fieldFor(const openvdb::FloatGrid& grid, std::size_t bricks) {
   return field;
 }
 
-// The first brick tells where the reserved memory is; the rest of it has not been touched yet.
+// The first brick gives the address of the reserved memory; the rest is still untouched.
 void adviseOnFirst(BrickField& field, std::size_t bricks) {
   if (field.brickCount() == 1) internal::adviseLargePages(&field.brick(0), bricks * sizeof(BrickValues));
 }
@@ -129,7 +129,7 @@ Expected<BrickField> readBricks(internal::VdbGridFile& file, const openvdb::Floa
     adviseOnFirst(field, bricks);
   }
   markTiles(grid, field);
-  // A thin object has no brick deep inside to tell how far its band reaches.
+  // A thin object has no inner brick that gives the width of its band.
   if (field.interiorBricks().empty()) field.setInterior(deepest);
   return field;
 }
@@ -181,7 +181,7 @@ Expected<void> writeVdb(const std::filesystem::path& path, const std::vector<Nam
         leaf->setValuesOn();
         grid->tree().addLeaf(leaf);
       }
-      for (const Vec3i& brick : field.interiorBricks()) {  // without these tiles the deep inside would read as outside
+      for (const Vec3i& brick : field.interiorBricks()) {  // without these tiles the inner bricks would read as outside
         const Vec3i n = brick * kBrickSide;
         grid->tree().addTile(1, openvdb::Coord(n[0], n[1], n[2]), field.interior(), false);
       }

@@ -1,4 +1,4 @@
-// Brick fields to and from OpenVDB files, so that Houdini, Blender and vdb_view open what Kerf stores.
+// Brick fields to and from OpenVDB files, readable by Houdini, Blender and vdb_view.
 #pragma once
 
 #include <filesystem>
@@ -13,7 +13,7 @@ namespace kerf {
 
 struct MaterialBricks;
 
-/// What `kerf info` and the readers learn from a .vdb file without loading the voxels.
+/// Header of a grid in a .vdb file, for `kerf info` and the readers, without voxels.
 struct VdbGridInfo {
   std::string name, type;  ///< "phi", "Tree_float_5_4_3"
   double voxel = 0;        ///< mm
@@ -28,21 +28,21 @@ struct NamedField {
 
 /// Writes fields as float level-set grids with uniform scale `voxel` and no offset; all stored nodes are active,
 /// interior bricks become tiles.
-/// Metadata values are written on the file (string to string). Not atomic: callers write into a staging folder.
-/// @param materials  become the int32 grid `material`, with what was added as text on it; without bricks, or null:
+/// Metadata become file metadata (string to string). Not atomic: callers write into a staging folder.
+/// @param materials  become the int32 grid `material`, with the added materials as text on it; without bricks, or null:
 /// none.
 Expected<void> writeVdb(const std::filesystem::path& path, const std::vector<NamedField>& fields,
                         const std::map<std::string, std::string>& metadata = {},
                         const MaterialBricks* materials = nullptr);
 
 /// Reads the float grid `name`. Leaf nodes become bricks; tiles below zero mark interior bricks.
-/// Refuses grids whose transform is not a plain uniform scale, values that are no distances, and files whose structure
-/// does not add up, before memory is taken for them: a file from a stranger costs no more memory than 40 times its size
-/// and what a million bricks deep inside need.
+/// Rejects grids whose transform is not a plain uniform scale, values that are no distances, and files with an
+/// inconsistent structure, before allocation. An untrusted file costs at most 40 times its size in memory, plus the
+/// memory of a million inner bricks.
 Expected<BrickField> readVdb(const std::filesystem::path& path, const std::string& name);
 
-/// The grids of a file, by name. Reads its header and those of the grids, no voxels, and not by OpenVDB: a damaged
-/// file is refused or told wrong of, never a crash. @cost microseconds a grid, whatever its size.
+/// The grids of a file, by name. Reads its header and those of the grids, no voxels, without OpenVDB: a damaged file
+/// gives an error or wrong information, never a crash. @cost microseconds a grid, at any size.
 Expected<std::vector<VdbGridInfo>> inspectVdb(const std::filesystem::path& path);
 
 }  // namespace kerf

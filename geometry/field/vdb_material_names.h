@@ -1,4 +1,4 @@
-// What the numbers of a grid of materials mean: text on the grid, "material_11" = "composite".
+// Names of the numbers in a grid of materials: text on the grid, "material_11" = "composite".
 #pragma once
 
 #include <openvdb/openvdb.h>
@@ -17,7 +17,7 @@ inline void writeMaterialNames(const std::map<std::uint8_t, std::string>& names,
     grid.insertMeta(kMaterialKey + std::to_string(number), openvdb::StringMetadata(id));
 }
 
-/// Entries that are no such text, or too long for an id, are passed over.
+/// Skips other entries, and texts too long for an id.
 inline std::map<std::uint8_t, std::string> materialNamesOf(const openvdb::MetaMap& grid) {
   std::map<std::uint8_t, std::string> out;
   const std::string key = kMaterialKey;

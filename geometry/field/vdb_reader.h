@@ -1,5 +1,5 @@
-// Reading a grid of an OpenVDB file leaf by leaf, so that its values are in memory once: where they are wanted.
-// openvdb::io::File makes a whole tree of them first.
+// Reads a grid of an OpenVDB file leaf by leaf, so that memory holds its values only once. openvdb::io::File builds a
+// whole tree of them first.
 #pragma once
 
 #include <fmt/format.h>
@@ -18,8 +18,8 @@
 
 namespace kerf::internal {
 
-/// One grid of a .vdb file. Functions throw what OpenVDB throws, and std::ios_base::failure where the file ends too
-/// soon: see vdbReadError(). One thread.
+/// One grid of a .vdb file. Functions throw OpenVDB's exceptions, and std::ios_base::failure for a truncated file: see
+/// vdbReadError(). One thread.
 class VdbGridFile : openvdb::io::Archive {
  public:
   /// @pre a regular file.
@@ -37,8 +37,8 @@ class VdbGridFile : openvdb::io::Archive {
       throw openvdb::IoError("no index of its grids, or an older version of the format");
   }
 
-  /// The grid of that name: its transform, and its tree but for the values of the leaves, which must not be asked for.
-  /// Null: there is none.
+  /// The grid of that name: its transform, and its tree without the values of the leaves, which must not be read. Null
+  /// if none.
   openvdb::GridBase::Ptr open(const std::string& name) {
     openvdb::io::GridDescriptor found;
     const openvdb::GridBase::Ptr grid = find(name, found);
@@ -88,7 +88,7 @@ class VdbGridFile : openvdb::io::Archive {
   std::ifstream in_;
 };
 
-/// What is wrong with a file of ours.
+/// Error about a file of Kerf's.
 inline Error vdbReadError(const std::filesystem::path& path, const std::string& place, const std::string& found) {
   return {.code = Error::Code::kUnreadable,
           .file = path.string(),
@@ -98,7 +98,7 @@ inline Error vdbReadError(const std::filesystem::path& path, const std::string& 
           .hint = "bake the case again"};
 }
 
-/// Of an exception that reading threw.
+/// Error from an exception of the reader.
 inline Error vdbReadError(const std::filesystem::path& path, const std::string& place, const std::exception& thrown) {
   const bool is_short = dynamic_cast<const std::ios_base::failure*>(&thrown) != nullptr;
   return vdbReadError(path, place, is_short ? "cut short, or not to be read" : thrown.what());
@@ -111,14 +111,14 @@ inline std::string vdbPlace(const openvdb::GridBase& grid, const openvdb::Coord&
                      p.z());
 }
 
-/// Nothing where there is a regular file.
+/// Error unless `path` is a regular file.
 inline Expected<void> requireVdbFile(const std::filesystem::path& path) {
   std::error_code ignored;
   if (std::filesystem::is_regular_file(path, ignored)) return {};
   return fail(vdbReadError(path, "file", std::filesystem::exists(path, ignored) ? "no regular file" : "no such file"));
 }
 
-/// Nothing where a node stands at a scale times its indices.
+/// Error unless a node's place is a scale times its indices.
 inline Expected<void> requireUniformScale(const openvdb::GridBase& grid, const std::filesystem::path& path,
                                           const std::string& place) {
   const openvdb::math::Transform& transform = grid.constTransform();

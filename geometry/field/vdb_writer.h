@@ -1,4 +1,4 @@
-// Writing OpenVDB files: whole or not at all, and the same fields give the same bytes.
+// Writes OpenVDB files atomically; the same fields give the same bytes.
 #pragma once
 
 #include <openvdb/io/Archive.h>
@@ -12,8 +12,8 @@
 namespace kerf::internal {
 
 /// Writes grids as openvdb::io::File does, with the index that lets a reader fetch one grid alone, through an
-/// AtomicFile: File itself leaves half a file on a full disk and says nothing. OpenVDB's identifier of the file is
-/// random; here it is part of the SHA-256 of the other bytes.
+/// AtomicFile: on a full disk File silently leaves half a file. OpenVDB's identifier of the file is random; here it is
+/// part of the SHA-256 of the other bytes.
 /// @param compression  flags of openvdb::io, e.g. COMPRESS_BLOSC | COMPRESS_ACTIVE_MASK.
 inline Expected<void> writeGrids(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids,
                                  const openvdb::MetaMap& metadata, std::uint32_t compression) {

@@ -8,7 +8,7 @@
 namespace kerf {
 namespace internal {
 
-// What the sources of the formats define.
+// Defined in the sources of the formats.
 MeshRecogniser isStl, isPly, isOff, isThreeMf, isObj;
 MeshReader readStl, readPly, readOff, readThreeMf, readObj;
 MeshWriter writeStl, writePly, writeOff, writeThreeMf, writeObj;
@@ -19,7 +19,7 @@ namespace {
 
 using namespace internal;
 
-// Asked in this order: the size of a binary STL is the surest sign, a line of words beginning with "v" the weakest.
+// In the order of recognition: the size of a binary STL is the surest sign, a line that begins with "v" the weakest.
 constexpr MeshFormatRow kFormats[] = {
     {.name = "STL", .extensions = ".stl", .recognise = isStl, .read = readStl, .write = writeStl},
     {.name = "PLY",
@@ -49,7 +49,7 @@ constexpr MeshFormatRow kFormats[] = {
 };
 
 #ifndef __SANITIZE_ADDRESS__  // GCC 12 then takes no address of a function for a constant
-// What can be forgotten in a row does not compile.
+// An incomplete row does not compile.
 constexpr bool isComplete(const MeshFormatRow& row) {
   const bool is_spelled =
       !row.name.empty() && row.extensions.starts_with('.') &&

@@ -16,7 +16,7 @@ namespace {
 
 using internal::MeshSource;
 
-// Files that are often dropped in but are no mesh we can read; told apart by their first bytes.
+// Rejects common files that are no readable mesh, by their first bytes.
 Expected<void> refuseForeign(const MeshSource& source) {
   const std::string_view text = source.text();
   const std::string_view start = text.substr(0, 4096);
@@ -103,7 +103,7 @@ Expected<MeshFile> readSource(MeshSource& source, const Progress& progress) {
   const MeshFormatRow* by_name = formatOfExtension(source.extension());
   if (!row) {
     KERF_CHECK(refuseForeign(source));
-    row = by_name;  // the reader that the extension names knows best what is missing
+    row = by_name;  // the reader of the extension gives the best error
   }
   if (!row || !row->read)
     return fail(source.atByte(0, Error::Code::kUnsupported,

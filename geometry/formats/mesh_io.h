@@ -1,4 +1,4 @@
-// Reading mesh files: strict, by content, with an error that says what to do.
+// Reads mesh files: strictly, by content, with errors that name a remedy.
 #pragma once
 
 #include <cstddef>
@@ -14,42 +14,42 @@
 
 namespace kerf {
 
-/// Of a file that is read, in its own unit: what lies farther off is refused.
+/// Limit of coordinates in a file, in its own unit; a larger one is an error.
 inline constexpr double kLargestCoordinate = 1e8;
 
 struct MeshFile {
   Mesh mesh;  ///< in the file's own unit and frame
-  /// How the file is written, for people: "binary STL", "ASCII PLY", "OBJ". Readers of one encoding leave it empty:
-  /// readMesh() puts the name of the format there.
+  /// Encoding of the file, for display: "binary STL", "ASCII PLY", "OBJ". Readers of one encoding leave it empty, and
+  /// readMesh() sets the name of the format.
   std::string_view format;
-  /// The coordinates carry more than float32 holds: PLY `double`, or text that says more than any float32 does.
+  /// The coordinates exceed the precision of float32: PLY `double`, or text with more digits than any float32 needs.
   bool had_double_coordinates = false;
-  /// "mm", "cm", "m", "um" or "inch" if the file, its header or a comment says so ("units = mm"), else empty.
+  /// "mm", "cm", "m", "um" or "inch" if the file, its header or a comment states it ("units = mm"), else empty.
   std::string declared_unit;
   std::size_t polygons_triangulated = 0;  ///< faces of four or more corners
-  std::size_t unwelded_vertices = 0;  ///< STL: corners before welding, three per triangle. Others: 0, nothing is welded
-  /// The named objects of OBJ and 3MF, as they follow each other in the triangles; empty: none has a name.
+  std::size_t unwelded_vertices = 0;      ///< STL: corners before welding, three per triangle. Others: 0, no welding
+  /// The named objects of OBJ and 3MF, in triangle order; empty if none has a name.
   std::vector<NamedPart> objects{};
-  std::vector<std::string> notes;  ///< what was skipped, ignored or odd; plain sentences for the user
+  std::vector<std::string> notes;  ///< skipped, ignored or odd content; plain sentences for the user
 };
 
 /// Reads every format of the table (mesh_formats.h) that has a reader: STL (binary, ASCII), PLY (ASCII, both binary
 /// orders), OFF/COFF/NOFF, 3MF, OBJ. The content decides the format; the extension only words the errors, and a wrong
 /// one gets a note.
 ///
-///   STL        a soup: corners with exactly equal coordinates become one vertex, in order of first appearance. Nothing
-///              is moved and no triangle is dropped, not even a degenerate one.
+///   STL        a soup: corners with exactly equal coordinates become one vertex, in order of first appearance. Every
+///              triangle stays, even a degenerate one, and nothing moves.
 ///   the others vertex order and count stay exactly as in the file, so labels and colours per vertex still fit.
-///   3MF        the objects on the build plate, copies and components where the file puts them, in one mesh; within an
-///              object the order stays. Mirrored copies are turned inside in again. Supports are left out.
-/// Polygons are triangulated: a fan where convex, else by ear clipping; triangle strips of PLY become triangles.
+///   3MF        the objects on the build plate, copies and components at their places, in one mesh; within an
+///              object the order stays. The reader flips mirrored copies back, and omits supports.
+/// The reader triangulates polygons: a fan if convex, else ear clipping; triangle strips of PLY become triangles.
 /// Names: `o` of OBJ, `g` in a file without; `name` of a 3MF object, else that of the object it is a component of.
 /// Colours: PLY vertex and face (bytes, shorts, reals), OBJ `v x y z r g b`, COFF vertices, OFF faces, STL attribute
 /// words (Magics, VisCAM), 3MF colour groups and base materials (per triangle where a file colours whole triangles,
-/// else per vertex). Where vertices have none: textures (JPEG, PNG) of OBJ and PLY become colours of vertices, `Kd`
-/// those of faces. Their files stand beside the mesh; one that is missing gets a note. Mended, with a note: a byte
-/// order mark, UTF-16, an ASCII STL without "endsolid" or with words after its keywords, a binary STL whose count is 0
-/// or -1 or that ends in zeros or blanks, colours that are not finite. Refused, never half-read: missing or unreadable
+/// else per vertex). For vertices without colours: textures (JPEG, PNG) of OBJ and PLY become colours of vertices, `Kd`
+/// those of faces. Their files lie beside the mesh; a missing one gets a note. Repaired, with a note: a byte order
+/// mark, UTF-16, an ASCII STL without "endsolid" or with words after its keywords, a binary STL whose count is 0 or -1
+/// or that ends in zeros or blanks, colours that are not finite. Errors, never a partial mesh: missing or unreadable
 /// file, no faces (point cloud), truncated or over-long data, coordinates that are not finite, indices out of range,
 /// counts the file cannot hold, zip bombs and their like made of 3MF components, 3MF that requires an unknown extension
 /// or is older than the standard, 3Shape DCM, other archives, web pages, STEP and other files by their kind. Positions

@@ -203,7 +203,7 @@ const char* parseReal(std::string_view word, T& value) {
   if (word.empty() || error == std::errc::invalid_argument || end != word.data() + word.size()) return "not a number";
   if (error == std::errc::result_out_of_range) {
     if (word.find("e-") == word.npos && word.find("E-") == word.npos) return "too large a number";
-    value = 0;  // below the smallest number: nothing a scan can mean but zero
+    value = 0;  // below the smallest number: means zero in a scan
     return nullptr;
   }
   return std::isfinite(value) ? nullptr : "not a finite number";
@@ -231,7 +231,7 @@ const char* parseCoordinate(std::string_view word, double& value, bool& is_doubl
   const double nearest = roundedToFloat(value);
   if (nearest == value) return nullptr;
 
-  // What the digits leave open: half a unit of the last one.
+  // Uncertainty of the digits: half a unit of the last one.
   int decimals = 0, exponent = 0;
   const std::size_t e = std::min(word.find_first_of("eE"), word.size());
   if (const std::size_t point = word.substr(0, e).find('.'); point != word.npos)
@@ -274,7 +274,8 @@ std::string unitIn(std::string_view text) {
 }
 
 std::vector<Rgba8> NumericColors::finish(bool is_real, MeshFile& file) {
-  // A tenth of what is not black decides for real numbers, so that no single one makes all others black.
+  // For real numbers, a tenth of the values above black decides the scale, so that no single value makes all others
+  // black.
   struct Range {
     std::size_t bright = 0, above_one = 0, above_byte = 0;
     void add(double c) {

@@ -1,4 +1,4 @@
-// What the mesh readers share: the bytes of a file, lines and words, numbers, errors with a place, polygons.
+// Shared by the mesh readers: the bytes of a file, lines and words, numbers, errors with a place, polygons.
 #pragma once
 
 #include <charconv>
@@ -25,18 +25,18 @@ struct MeshSource {
   std::string extension() const;                   ///< lower case, with the dot
   Error atByte(std::size_t offset, Error::Code code, std::string found, std::string expected = {},
                std::string hint = {}) const;
-  /// `at` points into text(); the line is counted only now.
+  /// `at` points into text(); counts the lines only now.
   Error atLine(const char* at, Error::Code code, std::string found, std::string expected = {},
                std::string hint = {}) const;
 };
 
-/// @param limit  bytes; a longer file is refused unread.
+/// @param limit  bytes; a longer file is an error without a read.
 Expected<MeshSource> loadMeshSource(const std::filesystem::path& path, std::size_t limit = SIZE_MAX);
-/// Text in UTF-16 as UTF-8, without a byte order mark. Returns a note on the change, empty without one: then `out` is
-/// left as it is.
+/// Text in UTF-16 as UTF-8, without a byte order mark. Returns a note on the change; empty without one, with `out`
+/// unchanged.
 std::string_view decodeText(const MeshSource& source, MeshSource& out);
 
-/// A word as it may stand in a message: quoted, at most 40 characters, unprintable bytes as \xNN.
+/// A word for a message: quoted, at most 40 characters, unprintable bytes as \xNN.
 std::string inQuotes(std::string_view word);
 bool equalsIgnoringCase(std::string_view a, std::string_view lower_case);
 inline bool isBlank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
@@ -80,22 +80,22 @@ class Lines {
   const char *p_, *end_;
 };
 
-/// Reads one whole word as a finite number, independent of the locale. nullptr when good, else what is wrong with it.
+/// Reads one whole word as a finite number, independent of the locale. Returns nullptr, or the error.
 const char* parseNumber(std::string_view word, double& value);
 const char* parseNumber(std::string_view word, float& value);
 /// The same for an integer; wrong also when it does not fit.
 const char* parseInteger(std::string_view word, std::int64_t& value);
-/// Hint that fits a word parseNumber refused ("1,5": decimal comma).
+/// Hint for a word rejected by parseNumber ("1,5": decimal comma).
 std::string numberHint(std::string_view word);
-/// A coordinate. Sets `is_double` when the text says more than a float32: neither the shortest text that reads back as
-/// one, nor rounded to fewer digits.
+/// A coordinate. Sets `is_double` if the text exceeds a float32: neither the shortest text that reads back as one, nor
+/// rounded to fewer digits.
 const char* parseCoordinate(std::string_view word, double& value, bool& is_double);
 /// "mm", "cm", "m", "um", "inch" if the text declares one ("units: mm", "UNIT=inch"), else empty.
 std::string unitIn(std::string_view text);
 
-/// Colour of an item to which a file gives none, or none that is a number.
+/// Colour of an item without a colour, or with a colour that is no number.
 inline constexpr Rgba8 kNoColor{200, 200, 200, 255};
-/// Colours written as numbers. The largest of a file tells their scale: 1 (if real), 255 or 65535.
+/// Colours written as numbers. The largest of a file decides the scale: 1 (if real), 255 or 65535.
 class NumericColors {
  public:
   /// A negative alpha: no colour.
@@ -122,10 +122,10 @@ struct Polygons {
 };
 inline constexpr std::size_t kMaxPolygonCorners = 1024;
 /// Turns polygons into the triangles (and face colours) of `file.mesh` and counts them. All corners must be in range.
-/// Faces of one or two corners are left out, with a note.
+/// Omits faces of one or two corners, with a note.
 void triangulate(const Polygons& polygons, MeshFile& file);
 
-/// Last check of every reader: a mesh without faces is refused (a point cloud says so).
+/// Last check of every reader: a mesh without faces is an error (with a note for a point cloud).
 Expected<MeshFile> finished(const MeshSource& source, MeshFile file);
 /// The error of a cancelled reader.
 tl::unexpected<Error> cancelled(const MeshSource& source);

@@ -1,4 +1,4 @@
-// Reading a mesh from a stream, such as standard input: by its content, as readMesh() of a file does.
+// Reading a mesh from a stream, such as standard input: by its content, as readMesh() does for a file.
 #pragma once
 
 #include <istream>
@@ -8,7 +8,7 @@
 
 namespace kerf {
 
-/// @param name  what errors call it.   Errors: as of a file; kUnreadable for more than kLargestStream bytes.
+/// @param name  in errors.   Errors: as for a file; kUnreadable for more than kLargestStream bytes.
 Expected<MeshFile> readMeshStream(std::istream& in, const std::string& name);
 
 inline constexpr std::size_t kLargestStream = std::size_t{4} << 30;

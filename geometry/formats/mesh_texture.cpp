@@ -47,7 +47,7 @@ Expected<std::unique_ptr<TexturePainter::Picture>> TexturePainter::load(const st
     return wrong("a damaged picture");
   const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   if (pixels > pixels_left_) return wrong("more than 64 million pixels");
-  // 16 bits of four channels at most: what is beyond would be unpacked all the same.
+  // At most four channels of 16 bits: the library would unpack data beyond that too.
   constexpr std::size_t kBytesAPixel = 8, kOfHeads = 1 << 20;
   if (file.size > kBytesAPixel * pixels + kOfHeads) return wrong("more data than its pixels take");
 

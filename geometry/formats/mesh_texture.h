@@ -1,4 +1,4 @@
-// Textures of mesh files (JPEG, PNG), which become colours of vertices.
+// Converts textures of mesh files (JPEG, PNG) to colours of vertices.
 #pragma once
 
 #include <map>
@@ -11,11 +11,11 @@
 
 namespace kerf::internal {
 
-/// Reads a file that a mesh file names, below the folder of the mesh: by its path or, where that cannot be read, by the
-/// last part. Of an absolute path the last part alone counts: it tells of another machine.
+/// Reads a file that a mesh file names, below the folder of the mesh: by its path or, if unreadable, by the last part.
+/// Of an absolute path only the last part counts, since it comes from another machine.
 Expected<MeshSource> loadBeside(const MeshSource& mesh, std::string_view name, std::size_t limit);
 
-/// Averages the colours of a vertex's corners: a mesh with a texture has one for each chart that meets there.
+/// Averages the colours of a vertex's corners: a textured mesh has one for each chart that meets there.
 class TexturePainter {
  public:
   explicit TexturePainter(const MeshSource& mesh) : mesh_(mesh) {}
@@ -30,7 +30,7 @@ class TexturePainter {
   void paint(std::uint32_t vertex, const Rgba8& color);
   /// (0, 0) is the lower left corner of the picture; beyond 0 to 1 it repeats.
   void paint(std::uint32_t vertex, const Picture& picture, double u, double v);
-  /// Sets the colours of the vertices, if any was painted, and notes what could not be read.
+  /// Sets the colours of the vertices, if any was painted, and notes unreadable textures.
   void finish(MeshFile& file);
 
  private:

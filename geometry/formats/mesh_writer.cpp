@@ -29,7 +29,7 @@ Expected<void> canWriteMesh(const std::filesystem::path& path) {
   KERF_CHECK(writerOf(path));
   std::error_code ignored;
   if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored)) {
-    // A pipe or a device: opening it to see would be taken for the real thing by whoever reads it.
+    // A pipe or a device: its reader would treat a trial opening as the real one.
     if (!std::filesystem::is_directory(path, ignored) && access(path.c_str(), W_OK) == 0) return {};
     return fail({.code = Error::Code::kWriteFailed,
                  .file = path.string(),
@@ -44,7 +44,7 @@ Expected<void> canWriteMesh(const std::filesystem::path& path) {
 Expected<void> writeMesh(const std::filesystem::path& path, const Mesh& mesh, const MeshWriteOptions& options) {
   KERF_TRY(row, writerOf(path));
 
-  // What float32 cannot hold would come back as infinity.
+  // Values beyond float32 would read back as infinity.
   if (!(options.double_positions && row->carries.doubles))
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
       if (!mesh.vertices[v].cast<float>().allFinite())

@@ -12,33 +12,34 @@
 namespace kerf {
 
 struct MeshWriteOptions {
-  /// PLY: positions as double instead of float32. Other formats hold float32 whatever is asked.
+  /// PLY: positions as double instead of float32. Other formats always hold float32.
   bool double_positions = false;
-  /// Write vertex and face colours where the format has them: PLY and OFF both, OBJ those of the vertices, 3MF those of
-  /// the faces, or of the vertices if there are no others.
+  /// Write vertex and face colours if the format has them: PLY and OFF both, OBJ those of the vertices, 3MF those of
+  /// the faces, else of the vertices.
   bool colors = true;
-  /// Comment line of PLY and OBJ, the Application of 3MF; the others hold none. It travels with the mesh, so it must
-  /// name neither files nor people; line ends in it become blanks.
+  /// Comment line of PLY and OBJ, the Application of 3MF; the other formats have none. It travels with the mesh, so it
+  /// must name neither files nor people. Line ends in it become blanks.
   std::string comment = "Kerf";
-  /// Objects of 3MF and OBJ, with their names; empty: one without. The others hold none. In 3MF each part has vertices
-  /// of its own: their order is that of the mesh only if each part has used vertices behind those of the one before.
+  /// Objects of 3MF and OBJ, with their names; empty: one without a name. The other formats have none. In 3MF each part
+  /// has separate vertices: they keep the order of the mesh only if each part uses vertices behind those of the
+  /// previous part.
   /// @pre ascending, the first at triangle 0, all below the number of triangles.
   std::vector<NamedPart> objects{};
 };
 
-/// Writes `mesh` in the format of the extension (writableExtensions()), beside the target first, then renamed: an
-/// existing file is replaced only by a complete one.
-/// Positions are rounded to float32 (PLY with double_positions: kept) and come back bit for bit; vertices keep their
-/// order and count, triangles theirs. STL carries facet normals, no colour, and a header that never begins with
-/// "solid". STL and OFF go through OpenMesh, which refuses what is not a 2-manifold (open is fine): the Error then
-/// names the first triangle it could not add. A second opinion besides checkMesh. PLY and OBJ hold any mesh. 3MF
-/// says millimetres and one object, or one per named part, which calls itself a "surface" if it is not closed; a
-/// triangle that repeats a vertex is refused. A path that is no regular file (/dev/stdout) is written to directly.
+/// Writes `mesh` in the format of the extension (writableExtensions()), beside the target first, then renamed: only a
+/// complete file replaces an existing one.
+/// Rounds positions to float32 (not PLY with double_positions); they read back bit for bit. Vertices and triangles keep
+/// their order and count. STL carries facet normals, no colour, and a header that never begins with "solid". STL and
+/// OFF go through OpenMesh, which rejects a non-2-manifold (open is valid): the Error then names the first triangle it
+/// could not add. A second check beside checkMesh(). PLY and OBJ hold any mesh. 3MF states millimetres and one object,
+/// or one per named part, of type "surface" if not closed; a triangle that repeats a vertex is an error. Writes
+/// directly to a path that is no regular file (/dev/stdout).
 /// @pre   indices in range, finite positions.
 /// @throws nothing; full disk, missing folder or permission end in an Error with the system's reason.
 Expected<void> writeMesh(const std::filesystem::path& path, const Mesh& mesh, const MeshWriteOptions& options = {});
 
-/// Whether writeMesh() has a chance: a known extension, a folder that takes new files. Leaves nothing behind.
+/// Checks the conditions of writeMesh(): a known extension, a writable folder. Leaves nothing behind.
 Expected<void> canWriteMesh(const std::filesystem::path& path);
 
 }  // namespace kerf

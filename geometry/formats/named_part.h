@@ -10,17 +10,17 @@
 namespace kerf {
 
 inline constexpr std::size_t kLongestObjectName = 256;  ///< bytes
-inline constexpr std::size_t kMostObjectNames = 4096;   ///< of a file; with more of them no name is read
+inline constexpr std::size_t kMostObjectNames = 4096;   ///< per file; with more, no name is read
 
 /// Triangles of a mesh that are one object of its file: from `first_triangle` to that of the next part, or to the end.
 struct NamedPart {
-  std::string name{};  ///< of objectName(); empty: the object has none
+  std::string name{};  ///< from objectName(); empty: no name
   std::size_t first_triangle = 0;
   bool operator==(const NamedPart&) const = default;
 };
 
 /// A name from a file as one line of UTF-8, at most kLongestObjectName bytes: white space as blanks, none at the ends;
-/// other control characters and bytes that are no UTF-8 as \x1b. A name that is clean already stays as it is.
+/// other control characters and bytes that are no UTF-8 as \x1b. A clean name stays unchanged.
 std::string objectName(std::string_view text);
 
 namespace internal {
@@ -32,9 +32,9 @@ class PartList {
  public:
   /// Triangles from `first` on have this name. @pre  `first` never decreases.
   void begin(std::string_view name, std::size_t first);
-  /// The parts of a mesh of so many triangles; empty if none has a name, or if there are too many names.
+  /// The parts of a mesh with this number of triangles; empty if none has a name, or with too many names.
   std::vector<NamedPart> finish(std::size_t triangles);
-  /// How many names the triangles have, one without a name not counted.
+  /// Number of names of the triangles, without the empty name.
   std::size_t nameCount() const { return names_.size(); }
   bool hasTooMany() const { return names_.size() > kMostObjectNames; }
 
@@ -42,7 +42,7 @@ class PartList {
   void count(const std::string& name);
 
   std::vector<NamedPart> parts_;
-  std::set<std::string> names_;  // of parts with triangles but the last one, and after finish() of all
+  std::set<std::string> names_;  // names of parts with triangles except the last one; after finish() of all parts
 };
 
 }  // namespace internal

@@ -1,5 +1,5 @@
 // Wavefront OBJ: v (with the common colour extension v x y z r g b) and f; vt, usemtl and mtllib for colours;
-// o and g for names; everything else is skipped and noted.
+// o and g for names; the reader skips and notes the rest.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -295,7 +295,7 @@ class ObjReader {
   void nameObjects() {
     file_.objects = objects_.finish(triangles_);
     std::vector<NamedPart> groups = groups_.finish(triangles_);
-    // One name for all tells less than the names of its groups.
+    // Names of groups are more useful than a single name for all.
     if (file_.objects.empty() || (file_.objects.size() == 1 && groups_.nameCount() > 1))
       if (!objects_.hasTooMany() && !groups.empty()) file_.objects = std::move(groups);
     if (file_.objects.empty() && (objects_.hasTooMany() || groups_.hasTooMany()))
@@ -325,7 +325,7 @@ class ObjReader {
   std::map<std::string, std::size_t> skipped_;
 
   static constexpr std::array<double, 4> kUnset{0, 0, 0, -1};
-  NumericColors colors_;                      // of the vertices so far
+  NumericColors colors_;                      // colours of the vertices so far
   std::vector<std::string> libraries_;        // mtllib
   std::vector<std::array<float, 2>> uv_;      // vt
   std::vector<std::uint32_t> corner_uv_;      // with libraries: index into uv_ or kNone, per corner so far

@@ -1,5 +1,5 @@
-// OBJ. Not by OpenMesh 9, which refuses vertex colours ("VertexColor not supported by OBJ Writer") and meshes that are
-// not 2-manifold. Numbers are the shortest that bring the float32 back exactly, whatever the locale.
+// OBJ writer. Not by OpenMesh 9, which rejects vertex colours ("VertexColor not supported by OBJ Writer") and meshes
+// that are not 2-manifold. Numbers are the shortest that restore the float32 exactly, in any locale.
 #include <charconv>
 #include <ostream>
 #include <string>
@@ -9,8 +9,8 @@
 namespace kerf::internal {
 namespace {
 
-// Without a name: the object of the triangles that follow has none. A name that ends in a backslash would go on in the
-// next line.
+// An empty name: the following triangles belong to an object without one. A trailing backslash would continue the name
+// on the next line.
 std::string lineOf(std::string name) {
   while (!name.empty() && (name.back() == '\\' || name.back() == ' ')) name.pop_back();
   return "o " + name + '\n';

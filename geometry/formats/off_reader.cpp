@@ -175,7 +175,7 @@ class OffReader {
       // OpenMesh and its kin write COFF for face colours alone.
       if (i == 0 && n == used) kind_.color = false;
       if (kind_.color) {
-        // What stands behind is a colour of three or four numbers, then two of texture if the header says ST.
+        // Then follow a colour of three or four numbers, and two of texture if the header says ST.
         const std::size_t of_color = std::min<std::size_t>(n - used - (kind_.texture && n - used >= 2 ? 2 : 0), 4);
         Rgba8 color;
         KERF_TRY(good, parseColor(line, &word[used], of_color, color));

@@ -1,6 +1,6 @@
-// STL and OFF by OpenMesh 9, from float32 positions. It takes the mesh or refuses it, and makes the normals; the bytes
-// of STL are put together here, a block at a time: OpenMesh writes each number by itself, which takes longer than all
-// else. Checked by the round-trip tests: nine significant digits bring every float32 back bit for bit, vertices and
+// STL and OFF by OpenMesh 9, from float32 positions. OpenMesh accepts or rejects the mesh, and computes the normals.
+// This file builds the bytes of STL, a block at a time, because OpenMesh writes each number separately, the slowest
+// step. Checked by the round-trip tests: nine significant digits bring every float32 back bit for bit, vertices and
 // faces keep their order, OFF keeps the colours of both, the STL header reads "binary stl file".
 #include <OpenMesh/Core/IO/MeshIO.hh>
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
@@ -29,7 +29,7 @@ OpenMesh::Vec4uc color(const Rgba8& c) { return {c[0], c[1], c[2], c[3]}; }
 
 // Positions and triangles.
 Expected<OpenMeshMesh> converted(const Mesh& mesh) {
-  // OpenMesh reports to the standard error stream; what matters comes back as an Error.
+  // OpenMesh reports to the standard error stream; this file returns an Error instead.
   omlog().disable();
   omout().disable();
   omerr().disable();

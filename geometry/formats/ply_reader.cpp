@@ -29,7 +29,7 @@ std::size_t sizeOf(Type type) {
   return kSizes[static_cast<std::size_t>(type)];
 }
 
-// What a property means to us.
+// Meaning of a property.
 enum class Role { kSkip, kX, kY, kZ, kRed, kGreen, kBlue, kAlpha, kU, kV, kPicture, kCorners, kStrip, kTexcoord };
 
 bool isColor(Role role) { return role >= Role::kRed && role <= Role::kAlpha; }
@@ -60,7 +60,7 @@ struct Element {
 
 enum class Encoding { kAscii, kLittle, kBig };
 
-// One item of data as it is read, whatever the encoding.
+// One item of data, in any encoding.
 struct Item {
   Vec3d position = Vec3d::Zero();
   std::array<double, 4> color{0, 0, 0, 255};
@@ -227,7 +227,7 @@ class PlyReader {
     return Role::kSkip;
   }
 
-  // Counts against the bytes that are there, before anything is allocated by them.
+  // Checks the counts against the file's bytes, before any allocation.
   Expected<void> checkHeader() {
     std::size_t vertices = 0, faces = 0;
     std::size_t left = source_.size - data_;

@@ -73,9 +73,9 @@ class PolygonCutter {
     return true;
   }
 
-  // Stops when no ear is left (convex rest, or a polygon that crosses itself): the caller fans out what remains.
-  // In a simple polygon, cutting off an ear changes only what its two neighbours are, so that n corners cost n^2.
-  // Others are examined again when no ear seems left, but not for ever: a file can be made to need n^3.
+  // Stops without another ear (convex rest, or a polygon that crosses itself): the caller fans out the rest.
+  // In a simple polygon, cutting off an ear affects only its two neighbours, so that n corners cost n^2. Without an ear
+  // the search examines other corners again, up to a limit: a hostile file could need n^3.
   void clipEars(const std::uint32_t* corner) {
     constexpr int kMostSearches = 8;
     findEars();

@@ -206,8 +206,7 @@ class AsciiReader {
       return fail(source_.atLine(end_, Error::Code::kBadFormat, "the end of the file", std::move(expected), hint()));
     return fail(source_.atLine(word.data(), Error::Code::kBadFormat, inQuotes(word), std::move(expected), hint()));
   }
-  // The next keyword. Words before it that stand in the line of the last one are skipped, but no numbers: a corner
-  // might have been meant.
+  // The next keyword. Skips words on the line of the last one, but not numbers: they may be a corner.
   std::string_view nextKeyword(bool skips_numbers = false) {
     const char* last = p_;
     std::string_view word = next();
@@ -292,7 +291,7 @@ class AsciiReader {
   MeshFile file_;
 };
 
-// ASCII unless there are zero bytes: a damaged binary STL whose header begins with "solid" must be called binary.
+// ASCII unless there are zero bytes: a damaged binary STL whose header begins with "solid" must count as binary.
 bool isAscii(const MeshSource& source) {
   return startsWithSolid(source.text().substr(0, 4096)) &&
          source.text().substr(0, 4096).find('\0') == std::string_view::npos;

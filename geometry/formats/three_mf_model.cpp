@@ -13,7 +13,7 @@ constexpr std::string_view kDraft = "http://schemas.microsoft.com/3dmanufacturin
 constexpr std::string_view kMaterials = "http://schemas.microsoft.com/3dmanufacturing/material/2015/02";
 constexpr std::string_view kProduction = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06";
 constexpr std::string_view kProductionPath = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06 path";
-// Names of subsets of triangles: nothing that changes the surface.
+// Names of subsets of triangles: no effect on the surface.
 constexpr std::string_view kTriangleSets = "http://schemas.microsoft.com/3dmanufacturing/trianglesets/2021/07";
 constexpr const char* kDamagedModel = "the file is damaged; export it again";
 constexpr std::uint32_t kMostIndex = 0x7fffffff;  // the specification's ST_ResourceIndex
@@ -30,7 +30,7 @@ enum class Node {
   kTriangles,
   kComponents,
   kBuild,
-  kLeaf,    // an element whose attributes are all there is
+  kLeaf,    // an element with attributes only
   kSkipped  // and all that is in it
 };
 
@@ -44,7 +44,7 @@ struct Name {
   }
 };
 
-// A namespace as a message can show it: without what all of 3MF have in common.
+// A namespace for a message: without the common prefix of 3MF.
 std::string shown(std::string_view name_space) {
   constexpr std::string_view kCommon = "http://schemas.microsoft.com/3dmanufacturing/";
   if (name_space.starts_with(kCommon)) name_space.remove_prefix(kCommon.size());
@@ -104,7 +104,7 @@ struct ThreeMfModelParser::State : XmlParser::Handler {
         if (core && local == "basematerials") return colors(a, Node::kBaseMaterials);
         if (materials && local == "colorgroup") return colors(a, Node::kColorGroup);
         if (core && local == "object") return object(a);
-        if (a.find("id")) {  // textures, composites: what refers to them has no colour then
+        if (a.find("id")) {  // textures, composites: objects that refer to them have no colour
           KERF_TRY(id, resourceId(a));
           other_resources.insert(id);
         }

@@ -1,4 +1,4 @@
-// One model part of a 3MF package: XML to objects, components and build items, as they stand in the file.
+// One model part of a 3MF package: XML to objects, components and build items, as in the file.
 // After the 3MF core specification 1.4, the materials extension (colour groups) and the production extension (paths).
 #pragma once
 
@@ -13,10 +13,10 @@
 
 namespace kerf::internal {
 
-/// Where a component or a build item puts an object: p -> linear * p + translation.
+/// Place of an object in a component or a build item: p -> linear * p + translation.
 struct ThreeMfPlacement {
-  std::string path;        ///< other part the object is in; empty: the same part
-  std::uint32_t id = 0;    ///< of the object
+  std::string path;        ///< other part with the object; empty: the same part
+  std::uint32_t id = 0;    ///< id of the object
   std::size_t object = 0;  ///< its index, if in the same part
   bool is_identity = true;
   Eigen::Matrix3d linear = Eigen::Matrix3d::Identity();
@@ -25,12 +25,12 @@ struct ThreeMfPlacement {
 
 struct ThreeMfObject {
   std::uint32_t id = 0;
-  std::string name{};       ///< of objectName(); empty: none
+  std::string name{};       ///< from objectName(); empty: none
   bool is_support = false;  ///< type "support" or "solidsupport"
   std::vector<Vec3d> vertices;
   std::vector<Triangle> triangles;
   std::vector<std::array<Rgba8, 3>> corner_colors;  ///< empty, or per triangle and corner
-  std::vector<ThreeMfPlacement> components;         ///< of objects before this one, or in other parts
+  std::vector<ThreeMfPlacement> components;         ///< placements of earlier objects, or of objects in other parts
 };
 
 struct ThreeMfModel {
@@ -38,18 +38,18 @@ struct ThreeMfModel {
   bool had_double_coordinates = false;
   std::vector<ThreeMfObject> objects;  ///< in the file's order
   std::vector<ThreeMfPlacement> items;
-  std::set<std::string> skipped;  ///< what has a meaning but was not read ("texture2dgroup")
+  std::set<std::string> skipped;  ///< known but unsupported elements ("texture2dgroup")
 
   /// Index of an object, or objects.size().
   std::size_t find(std::uint32_t id) const;
 };
 
-/// Parses a part as it comes in. Strict about what it understands: missing attributes, numbers that are not finite,
-/// indices out of range, objects used before they are defined, a DTD (3MF forbids it) and extensions the file requires
-/// but we lack are errors with part and line. Elements it does not know are skipped.
+/// Parses a part in pieces. Errors with part and line: missing attributes, numbers that are not finite, indices out of
+/// range, objects used before their definition, a DTD (3MF forbids it) and required extensions that Kerf lacks. Skips
+/// unknown elements.
 class ThreeMfModelParser {
  public:
-  /// @param part  name for messages.    @param is_root  whether build items and paths to other parts count.
+  /// @param part  name for messages.    @param is_root  if true, build items and paths to other parts count.
   ThreeMfModelParser(const MeshSource& source, std::string_view part, bool is_root);
   ~ThreeMfModelParser();
   ThreeMfModelParser(const ThreeMfModelParser&) = delete;
@@ -63,7 +63,7 @@ class ThreeMfModelParser {
   std::unique_ptr<State> state_;
 };
 
-/// The part a package begins with, from its `_rels/.rels`.
+/// The root part of a package, from its `_rels/.rels`.
 class ThreeMfRelationsParser {
  public:
   explicit ThreeMfRelationsParser(const MeshSource& source);

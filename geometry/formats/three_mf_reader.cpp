@@ -1,4 +1,4 @@
-// 3MF: the package, and its objects put together as its build asks for.
+// 3MF: the package, and its objects assembled as its build states.
 #include <algorithm>
 #include <map>
 
@@ -194,8 +194,8 @@ class ThreeMfReader {
     return {};
   }
 
-  // Depth is at most kMostNesting; what holds no triangles is not visited.
-  // @param whole  name of the object that this one is a component of.
+  // Depth is at most kMostNesting; skips objects without triangles.
+  // @param whole  name of the object with this component.
   Expected<void> add(const Part& part, std::size_t index, const Affine& affine, const std::string& whole) {
     const ThreeMfObject& object = part.model.objects[index];
     const std::string& name = object.name.empty() ? whole : object.name;
@@ -291,7 +291,8 @@ class ThreeMfReader {
 
 }  // namespace
 
-// The names of parts stand uncompressed in a zip archive. Others pack XML the same way, but none with a model part.
+// A zip archive holds the names of its parts uncompressed. Other formats pack XML the same way, but without a model
+// part.
 bool isThreeMf(const MeshSource& source) {
   const std::string_view text = source.text();
   return text.starts_with("PK\x03\x04") && text.find("_rels/.rels") != text.npos && text.find(".model") != text.npos;

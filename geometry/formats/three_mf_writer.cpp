@@ -45,7 +45,7 @@ struct WrittenObject {
   std::vector<Triangle> triangles;      ///< of positions in `vertices`
 };
 
-// Every edge between exactly two triangles that run along it in opposite directions: what type "model" promises.
+// Every edge between exactly two triangles that run along it in opposite directions, as type "model" requires.
 bool isClosedManifold(const std::vector<Triangle>& triangles) {
   std::vector<std::uint64_t> edges;
   edges.reserve(3 * triangles.size());
@@ -144,7 +144,7 @@ void appendVertices(std::string& text, const Mesh& mesh, const WrittenObject& pa
   }
 }
 
-// The palette colours whole triangles, or their corners, or nothing.
+// The palette colours whole triangles, or their corners, or is unused.
 void appendTriangles(std::string& text, const WrittenObject& part, const Palette& palette, bool by_face,
                      bool by_vertex) {
   for (std::size_t t = 0; t < part.triangles.size(); ++t) {
@@ -186,7 +186,7 @@ Expected<void> writeThreeMf(std::ostream& out, const Mesh& mesh, const MeshWrite
   for (std::size_t n = 0; n < parts.size(); ++n) {
     append(text, "  <object id=\"", kFirstObject + n);
     if (!parts[n].name.empty()) text += " name=\"" + xmlText(parts[n].name) + '"';
-    // An open surface may not call itself a model.
+    // An open surface must not have the type "model".
     text += isClosedManifold(parts[n].triangles) ? " type=\"model\"" : " type=\"surface\"";
     if (!palette.isEmpty()) {
       append(text, " pid=\"", kColorGroup);

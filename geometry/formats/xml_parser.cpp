@@ -10,12 +10,12 @@ constexpr const char* kDamagedXml = "the file is damaged; export it again";
 
 }  // namespace
 
-// Called through C: nothing may be thrown across it.
+// Called through C: exceptions must not cross it.
 struct XmlParser::Callbacks {
   template <class Work>
   static void run(XmlParser& xml, Work&& work) {
     xml.since_event_ = 0;
-    if (xml.error_ || xml.out_of_memory_) return;  // expat may finish an empty element after it was stopped
+    if (xml.error_ || xml.out_of_memory_) return;  // expat may finish an empty element after a stop
     try {
       if (Expected<void> done = work(); !done) xml.error_ = std::move(done).error();
     } catch (const std::bad_alloc&) {

@@ -27,11 +27,11 @@ class XmlAttributes {
   const char** pairs_;
 };
 
-/// Refuses what 3MF forbids or no mesh needs: a DTD with its entities, elements nested deeper than 64, and a tag or
-/// comment longer than 1 MiB (expat would keep it in memory, and read it again with every piece).
+/// Rejects content that 3MF forbids or no mesh needs: a DTD with its entities, elements nested deeper than 64, and a
+/// tag or comment longer than 1 MiB (expat would keep it in memory, and read it again with every piece).
 class XmlParser {
  public:
-  /// What the derived class does with the events. After an error no more of them come.
+  /// Receiver of the events. After an error no more events come.
   class Handler {
    public:
     virtual ~Handler() = default;
@@ -47,7 +47,7 @@ class XmlParser {
 
   /// @throws std::bad_alloc, when a handler did or expat has no memory left.
   Expected<void> feed(std::string_view piece, bool is_last = false);
-  /// An error at the place now being parsed.
+  /// An error at the current place of the parser.
   Error here(Error::Code code, std::string found, std::string expected = {}, std::string hint = {}) const;
 
  private:

@@ -1,4 +1,4 @@
-// Zip archives in memory, by libzip: what 3MF files are packed in.
+// Zip archives in memory, by libzip: the container of 3MF files.
 #pragma once
 
 #include <functional>
@@ -15,19 +15,19 @@ struct zip;
 
 namespace kerf::internal {
 
-/// An archive being read. What it says about its sizes are claims: nothing is allocated by them, and all entries
-/// together inflate to at most 64 MiB + 100 times the size of the file, 8 GiB at most. Meshes as XML shrink to a tenth
-/// at best, a zip bomb to a thousandth.
+/// An archive being read. Its sizes are untrusted: they cause no allocation, and all entries together inflate to at
+/// most 64 MiB + 100 times the size of the file, 8 GiB at most. Meshes as XML shrink to a tenth at best, a zip bomb to
+/// a thousandth.
 class ZipArchive {
  public:
   /// @pre `source` outlives the archive.
   static Expected<ZipArchive> open(const MeshSource& source);
 
   /// The entry of a part of the package ("/3D/3dmodel.model"): the first slash and the case of letters do not count
-  /// (ECMA-376 part 2, 2.2). Of several the first.
+  /// (ECMA-376 part 2, 2.2). The first of several.
   std::optional<std::uint64_t> find(std::string_view part) const;
-  /// Hands over an entry piece by piece, in order; `progress` is asked in between. Damage shows at the end, as a wrong
-  /// checksum: what was taken before it counts for nothing then.
+  /// Hands over an entry piece by piece, in order; calls `progress` in between. Damage shows at the end, as a wrong
+  /// checksum: pieces received before are then invalid.
   Expected<void> read(std::uint64_t entry, const std::function<Expected<void>(std::string_view)>& take,
                       const Progress& progress = {});
 
@@ -48,7 +48,7 @@ struct ZipEntry {
   std::string bytes;
 };
 /// Writes an archive of deflated entries, in this order, all dated 1980-01-01: the same entries give the same bytes.
-/// The archive is put together in memory.
+/// Builds the archive in memory.
 Expected<void> writeZip(std::ostream& out, const std::vector<ZipEntry>& entries);
 
 }  // namespace kerf::internal

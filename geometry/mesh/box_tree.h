@@ -1,4 +1,4 @@
-// Boxes in a tree: which of many boxes have to do with something, without asking all of them.
+// Tree of boxes: finds the boxes that match a query without testing all of them.
 #pragma once
 
 #include <cstddef>
@@ -9,17 +9,17 @@
 
 namespace kerf {
 
-/// A box of no extent is a point. The tree is halved at the median of the middles along the longest side, so it is
-/// balanced however the boxes lie, and many at one place cost no more than many apart.
+/// A box of no extent is a point. The tree splits at the median of the middles along the longest side, so it is
+/// balanced for any boxes, and many boxes at one place cost no more than spread ones.
 class BoxTree {
  public:
   /// @param boxes  none empty.   @cost O(n log n), 0.3 us per box; 60 bytes per box.
   explicit BoxTree(std::vector<Box3> boxes);
 
-  /// Calls item(n) for boxes[n] of the nodes that may(box of the node) lets in, in no particular order. `may` has to
-  /// hold for a node's box if it holds for a box in it: overlaps(), contains(). Items are not asked by themselves:
-  /// item() also gets some for which `may` does not hold. It stops once item() returns false.
-  /// @return false if it was stopped.
+  /// Calls item(n) for boxes[n] of the nodes accepted by may(box of the node), in no particular order. `may` has to
+  /// hold for a node's box if it holds for a box in it: overlaps(), contains(). It does not test single items: item()
+  /// also gets some for which `may` does not hold. The visit stops once item() returns false.
+  /// @return false if item() stopped it.
   template <class May, class Item>
   bool visit(const May& may, const Item& item) const {
     return nodes_.empty() || visitNode(0, may, item);

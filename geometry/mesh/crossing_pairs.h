@@ -1,5 +1,4 @@
-// Which triangles of a mesh meet elsewhere than at the vertices and edges they share: exact answers, for float or
-// double.
+// Pairs of triangles that meet elsewhere than at their shared vertices and edges: exact, for float or double.
 #pragma once
 
 #include <array>
@@ -14,8 +13,8 @@ namespace kerf {
 /// selfIntersections() and, besides, every triangle without area: as the pair (i, i), and with each proper triangle it
 /// touches away from shared vertices. An empty answer means the mesh is embedded.
 /// @return sorted pairs (i <= j). Exact; deterministic.
-/// @param stop_after  as in selfIntersections(): with more pairs than that the answer is not whole, and which it holds
-/// may differ.
+/// @param stop_after  as in selfIntersections(): with more pairs the result is incomplete, and its selection may
+/// differ.
 /// @cost   as selfIntersections(), plus a search in a tree of boxes per triangle without area. @thread any; uses all
 /// TBB threads.
 std::vector<std::array<std::uint32_t, 2>> crossingPairs(const Mesh& mesh, std::size_t stop_after = kAllPairs);

@@ -9,7 +9,7 @@
 
 namespace kerf::internal {
 
-/// Open-addressing table of vertex indices. 0.0 and -0.0 are equal; the bits of the first appearance are kept.
+/// Open-addressing table of vertex indices. 0.0 and -0.0 are equal; the bits of the first appearance stay.
 class ExactWelder {
  public:
   explicit ExactWelder(std::size_t expected_vertices) : table_(std::bit_ceil(2 * expected_vertices + 16), kFree) {
@@ -27,7 +27,7 @@ class ExactWelder {
   }
 
   static constexpr std::uint32_t kNotThere = ~0u;
-  /// The number that add() gave it, or kNotThere.
+  /// The point's number from add(), or kNotThere.
   std::uint32_t find(const Vec3d& p) const { return table_[slotOf(p)]; }
 
   std::vector<Vec3d> vertices;
@@ -35,7 +35,7 @@ class ExactWelder {
  private:
   static constexpr std::uint32_t kFree = kNotThere;
 
-  // Where it is, or would be.
+  // Slot of the point, or the free slot for it.
   std::size_t slotOf(const Vec3d& p) const {
     const std::size_t mask = table_.size() - 1;
     std::size_t slot = hash(p) & mask;

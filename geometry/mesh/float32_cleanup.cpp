@@ -14,7 +14,7 @@
 namespace kerf {
 namespace {
 
-constexpr double kNeedleExempt = 2e-4;           ///< mm: below this height a triangle's normal means nothing
+constexpr double kNeedleExempt = 2e-4;           ///< mm: below this height a triangle's normal is meaningless
 constexpr double kCollapseTurn = 0.5;            ///< cos 60 degrees
 constexpr double kFlipTurn = 0.906307787036650;  ///< cos 25 degrees
 constexpr int kMaxRounds = 8;
@@ -29,8 +29,8 @@ tl::unexpected<Error> badInput(std::string place, std::string found, std::string
   return fail(std::move(e));
 }
 
-/// The triangles of every vertex, in the order in which they came to it. A clean-up changes few of these lists: the
-/// others stand in one array, where a list each would take half the time of a clean-up.
+/// The triangles of every vertex, in the order of addition. A clean-up changes few of these lists, so one array holds
+/// the others: separate lists would take half the time of a clean-up.
 class TrianglesAround {
  public:
   explicit TrianglesAround(const Mesh& mesh)
@@ -95,7 +95,7 @@ class Cleaner {
     while (!queue.empty()) {
       const Item item = queue.top();
       queue.pop();
-      // An edge may have gone, or changed hands, since it was offered.
+      // An edge may have vanished, or have other triangles, since it was queued.
       if (sharedFaces(item.u, item.v).size() != 2) continue;
       if ((mesh_.vertices[item.u] - mesh_.vertices[item.v]).norm() != item.length) continue;
 

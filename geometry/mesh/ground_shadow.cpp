@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kN = GroundShadow::kCells;
 
-/// Three box blurs in x and y: close to a Gaussian. What leaves the map is lost, and the map is empty near its rim.
+/// Three box blurs in x and y: close to a Gaussian. Values beyond the map are lost, but the map is empty near its rim.
 std::vector<float> blurred(std::vector<float> map, int radius) {
   std::vector<float> line(kN);
   for (int pass = 0; pass < 3; ++pass)

@@ -1,4 +1,4 @@
-// The triangle mesh that travels through Kerf: positions, triangles, colours. A plain value.
+// Kerf's triangle mesh: positions, triangles, colours. A plain value.
 #pragma once
 
 #include <array>
@@ -11,8 +11,8 @@ namespace kerf {
 
 using Triangle = std::array<std::uint32_t, 3>;  ///< vertex indices, counter-clockwise seen from outside
 
-/// Indexed triangle mesh. May be anything a file can hold (open, non-manifold, degenerate) unless a function says
-/// otherwise; indices are always in range and coordinates finite.
+/// Indexed triangle mesh. May be open, non-manifold or degenerate, as in files, unless a function requires more;
+/// indices are always in range and coordinates finite.
 struct Mesh {
   std::vector<Vec3d> vertices;  ///< mm (a freshly read mesh: the file's own unit)
   std::vector<Triangle> triangles;
@@ -31,7 +31,7 @@ double surfaceArea(const Mesh& mesh);  ///< mm^2
 /// Signed enclosed volume by the divergence theorem, mm^3: positive for a closed, outward-oriented mesh. Summed about
 /// the box's centre, so a scan 200 mm from the origin loses no digits. Meaningless for an open mesh.
 double signedVolume(const Mesh& mesh);
-/// Appends `other`; colours are kept, a side without colours gets `fill`.
+/// Appends `other` with its colours; a side without colours gets `fill`.
 void append(Mesh& mesh, const Mesh& other, Rgba8 fill = {200, 200, 200, 255});
 /// Label per triangle, 0..count-1, of pieces connected through edges, numbered in order of first triangle.
 struct Pieces {

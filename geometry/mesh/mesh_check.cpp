@@ -138,7 +138,7 @@ struct RimEdge {
   std::uint32_t a, b, triangle;
 };
 
-// What one pass over the edge table finds out.
+// Results of one pass over the edge table.
 struct EdgeWalk {
   UnionFind pieces;  // of triangles: joined across edges
   UnionFind fans;    // of the corners of triangles: joined around their vertex across edges
@@ -173,7 +173,7 @@ EdgeWalk walkEdges(const Mesh& mesh, MeshReport& report) {
   return out;
 }
 
-/// Where more triangles share an edge crossings are not looked for: all of these would be compared with each other, and
+/// If more triangles share an edge, skips the search for crossings: it would compare all of them with each other, and
 /// the mesh is not ready to print anyway.
 constexpr std::uint32_t kMostAtAnEdge = 1000;
 
@@ -250,7 +250,7 @@ struct TrianglesOfPieces {
   }
 };
 
-// What is known of every piece.
+// Volume, box and a vertex of every piece.
 struct PieceShapes {
   std::vector<double> volume;  // mm3, signed
   std::vector<Box3> box;

@@ -1,4 +1,4 @@
-// Is a mesh ready to be printed? Judged as a slicer would see it.
+// Print check of a mesh, from a slicer's point of view.
 #pragma once
 
 #include <cstddef>
@@ -10,15 +10,15 @@
 
 namespace kerf {
 
-/// mm: the longest side of a mesh that is called ready to print. Beyond either its unit is another.
+/// mm: limits of the longest side of a print-ready mesh. Beyond them the unit is wrong.
 inline constexpr double kSmallestPrint = 0.1, kLargestPrint = 2000;
 
 struct MeshCheckOptions {
-  bool self_intersections = true;  ///< the dearest part; without it the mesh is never called print-ready
+  bool self_intersections = true;  ///< the most expensive check; without it the result is never print-ready
   /// Count at most so many crossing pairs. A small number is faster on a bad mesh; the verdict stays the same.
   std::size_t max_self_intersections = 1'000'000;
-  /// crossingPairs() found none in this very mesh, whose positions are float32: they are not searched for again. Equal
-  /// positions would have been a crossing, so welding joins nothing.
+  /// crossingPairs() found none in this mesh with float32 positions: skips the search. Equal positions would be a
+  /// crossing, so welding joins nothing.
   bool known_free_of_crossings = false;
 };
 
@@ -27,8 +27,8 @@ struct BoundaryLoop {
   double length = 0;  ///< mm
 };
 
-/// All counts are taken after rounding positions to float32 and welding equal ones, which is what the printed file
-/// holds and a slicer does first.
+/// All counts follow rounding to float32, as in the printed file, and welding equal positions, the first step of a
+/// slicer.
 struct MeshReport {
   std::size_t triangles = 0;             ///< as given
   std::size_t vertices = 0;              ///< as given
@@ -42,7 +42,7 @@ struct MeshReport {
   std::size_t flipped_edges = 0;             ///< edges whose two triangles run through them in the same direction
   std::size_t pieces = 0;                    ///< connected through edges; the walls of cavities are none
   std::size_t cavities = 0;                  ///< in these pieces
-  std::size_t specks = 0;                    ///< of the closed pieces; see PieceCount
+  std::size_t specks = 0;                    ///< specks among the closed pieces; see PieceCount
   double specks_mm3 = 0;                     ///< all specks together
   std::size_t inward_pieces = 0;             ///< closed pieces turned inside out that are not a cavity of another piece
   std::size_t self_intersections = 0;        ///< pairs of triangles that meet where they are not joined
@@ -53,7 +53,8 @@ struct MeshReport {
 
   bool isClosed() const { return triangles > 0 && boundary_edges == 0; }
   bool print_ready = false;
-  std::vector<std::string> reasons;  ///< why not; plain sentences, the gravest first. Empty when print-ready
+  std::vector<std::string> reasons;  ///< reasons against printing; plain sentences, the gravest first. Empty when
+                                     ///< print-ready
 };
 
 /// Judges `mesh` as printed. Print-ready means: not empty, closed, every edge shared by exactly two triangles that
@@ -64,7 +65,7 @@ MeshReport checkMesh(const Mesh& mesh, const MeshCheckOptions& options = {});
 
 /// One JSON object, the fields of MeshReport by name; lengths in mm.
 std::string toJson(const MeshReport& report);
-/// The same for people: a few lines, the verdict first.
+/// The same as text: a few lines, the verdict first.
 std::string describe(const MeshReport& report);
 
 }  // namespace kerf

@@ -8,7 +8,7 @@ namespace kerf {
 std::vector<RayHit> rayHits(const Mesh& mesh, const Vec3d& origin, const Vec3d& direction) {
   const double length = direction.norm();
   const Vec3d d = direction / length;
-  // Edges are met from both sides: what is left out by rounding on one side would be a gap.
+  // Widens triangles at edges: otherwise rounding could leave a gap between two neighbours.
   constexpr double kEdge = 1e-9;
 
   std::vector<RayHit> all;

@@ -38,8 +38,8 @@ int certainSide(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) 
 
 using Corners = std::array<Vec3d, 3>;
 
-// Whether the plane through `origin` across `axis` certainly separates a from b. `axis` may be any vector: it is taken
-// as it is, only the products are bounded (three products, two sums, one difference each: 6 roundings).
+// True if the plane through `origin` across `axis` certainly separates a from b. `axis` may be any vector, used
+// exactly; the bound covers only the products (three products, two sums, one difference each: 6 roundings).
 bool separates(const Vec3d& axis, const Vec3d& origin, const Vec3d* a, int na, const Vec3d* b, int nb, bool strict) {
   const Vec3d weight = axis.cwiseAbs();
   double max_a = -std::numeric_limits<double>::infinity(), min_b = std::numeric_limits<double>::infinity(), scale = 0;
@@ -139,7 +139,7 @@ bool meet(std::span<const Vec3d> vertices, const Triangle& s, const Triangle& t)
                                 {vertices[t[order_t[1]]], vertices[t[order_t[2]]]});
 }
 
-// Boxes in float, rounded outwards: half the memory of double, and a box a little too large costs nothing but time.
+// Boxes in float, rounded outwards: half the memory of double, and a slightly larger box only costs time.
 struct Box {
   std::array<float, 3> min{HUGE_VALF, HUGE_VALF, HUGE_VALF}, max{-HUGE_VALF, -HUGE_VALF, -HUGE_VALF};
 

@@ -22,11 +22,11 @@ inline constexpr std::size_t kAllPairs = std::numeric_limits<std::size_t>::max()
 ///   all three:     always (the same face twice).
 /// Triangles of exactly zero area (see degenerateTriangles) take no part.
 ///
-/// Candidates come from a tree of boxes over the triangles in Morton order; a candidate is dismissed by a separating
-/// plane found in double with a rounding bound, and decided by exact predicates otherwise. No tolerance anywhere.
+/// Candidates come from a tree of boxes over the triangles in Morton order; a separating plane in double with a
+/// rounding bound rejects most candidates; exact predicates decide the rest. No tolerance anywhere.
 /// @param vertices    finite, any unit.    @param triangles  indices in range.
 /// @param stop_after  at most this many pairs are returned; a small number makes the answer to "does it cross itself at
-///                    all" cheap. Which ones does not depend on the number of threads.
+///                    all" cheap. Their selection does not depend on the number of threads.
 /// @return pairs (i < j), sorted; complete unless stop_after cut it short.
 /// @cost   O(n log n + candidates), parallel; on two cores 35 ms for 60 000 triangles, 80-110 ms for 200 000.
 std::vector<std::pair<std::uint32_t, std::uint32_t>> selfIntersections(std::span<const Vec3d> vertices,

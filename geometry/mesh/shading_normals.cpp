@@ -18,7 +18,7 @@ std::vector<Vec3f> cornerNormals(const Mesh& mesh, double crease) {
   for (std::size_t t = 0; t < count; ++t) face[t] = doubleAreaVector(mesh, t).stableNormalized();
 
   // Corners sorted by vertex: those of vertex v are corner[first[v]] .. corner[first[v + 1] - 1]. Triangles without
-  // area say nothing of others, and there may be thousands of them at one vertex.
+  // area do not affect others, and there may be thousands of them at one vertex.
   std::vector<std::uint32_t> first(mesh.vertices.size() + 1, 0), corner(3 * count);
   for (std::size_t t = 0; t < count; ++t)
     for (const std::uint32_t v : mesh.triangles[t])

@@ -10,14 +10,14 @@
 namespace kerf {
 namespace {
 
-// Of the unit sphere, as seen from the origin.
+// Solid angle on the unit sphere, as seen from the origin.
 double solidAngleOf(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   const double la = a.norm(), lb = b.norm(), lc = c.norm();
   const double below = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
   return 2 * std::atan2(a.dot(b.cross(c)), below);
 }
 
-// How often each shell or solid goes around a point: 1 inside, 0 outside, -1 inside a cavity by itself.
+// Winding number of each shell or solid around a point: 1 inside, 0 outside, -1 inside a lone cavity.
 std::vector<double> windings(const Mesh& mesh, const std::vector<std::uint32_t>& label, std::uint32_t count,
                              const Vec3d& point) {
   std::vector<double> out(count, 0);
@@ -50,7 +50,7 @@ Solids solidsOf(const Mesh& mesh) {
   const Pieces pieces = edgeConnectedPieces(mesh);
   const std::vector<Shell> shells = shellsOf(mesh, pieces);
 
-  // What each shell belongs to: itself, or the shell around it.
+  // Owner of each shell: itself, or the shell around it.
   std::vector<std::uint32_t> owner(pieces.count);
   for (std::uint32_t n = 0; n < pieces.count; ++n) {
     owner[n] = n;

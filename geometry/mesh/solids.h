@@ -16,17 +16,17 @@ struct Solids {
   std::uint32_t count = 0;
 };
 
-/// A cavity belongs to the smallest outer shell around it; one that nothing is around is a solid of its own.
+/// A cavity belongs to the smallest outer shell around it; a cavity without one is a separate solid.
 /// @pre closed, each shell outward or, a cavity, inward.   @cost  O(n), and 30 ns a triangle for each cavity.
 Solids solidsOf(const Mesh& mesh);
 
-/// The solids one by one, each as subset() gives it.   @cost  O(n log n).
+/// The solids one by one, each a subset().   @cost  O(n log n).
 std::vector<Mesh> separated(const Mesh& mesh, const Solids& solids);
 
 inline constexpr double kLargestSpeck = 1;       ///< mm3
-inline constexpr double kSpeckOfLargest = 0.01;  ///< of the largest piece's volume
+inline constexpr double kSpeckOfLargest = 0.01;  ///< share of the largest piece's volume
 
-/// How many pieces a closed mesh is in, as people count them: the wall of a cavity is none.
+/// Number of pieces of a closed mesh; the wall of a cavity is no piece.
 struct PieceCount {
   std::size_t pieces = 0;    ///< shells of positive volume
   std::size_t cavities = 0;  ///< shells of negative volume
@@ -42,11 +42,12 @@ PieceCount countPieces(const Mesh& mesh);
 /// "1 piece", "37 pieces, 36 of them specks (below 1 mm3, 3.2 mm3 together)", "1 piece with 2 cavities".
 std::string describe(const PieceCount& count);
 
-/// The solid whose material is at a point; none: air. A point on the surface may be either.
+/// The solid with material at a point; empty: air. A point on the surface may be either.
 /// @cost  30 ns a triangle. Van Oosterom & Strackee 1983: the solid angle of a triangle.
 std::optional<std::uint32_t> solidAt(const Mesh& mesh, const Solids& solids, const Vec3d& point);
 
-/// Whether a ray from the point crosses the surface an odd number of times: of nested shells each second one is air.
+/// True if a ray from the point crosses the surface an odd number of times: nested shells alternate between solid and
+/// air.
 /// @pre closed. A point on the surface may be either.   @cost  30 ns a triangle, as solidAt().
 bool isInside(const Mesh& mesh, const Vec3d& point);
 

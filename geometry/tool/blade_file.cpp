@@ -16,7 +16,7 @@ std::string namesOfMotions(const std::string& quote) {
   return names;
 }
 
-// What was most likely meant by a word that is no motion.
+// Most likely motion for an unknown word.
 std::string motionMeant(const std::string& word) {
   std::vector<std::string> names;
   for (const BladeMotion* motion : bladeMotions()) {
@@ -26,7 +26,7 @@ std::string motionMeant(const std::string& word) {
   return nearestName(word, names);
 }
 
-// What the file may say in place of our keys.
+// Common synonyms of the keys.
 void explainWords(TomlTable& top) {
   top.explain("set", "set_per_side: how far teeth stand out to either side, half of what the set adds to the kerf");
   top.explain("kerf", "thickness and set_per_side: kerf = thickness + 2 set_per_side");

@@ -1,7 +1,7 @@
-// The motions of blades: one row each, with all that depends on the motion beside each other.
+// The motions of blades: one row each, with all data that depends on the motion.
 //
 // A new motion is one source with its functions and its row, and one word in the list of blade_motion.cpp; see
-// CONTRIBUTING.md. What every row must have is a reference, so that a row without it does not compile.
+// CONTRIBUTING.md. Required members are references, so that an incomplete row does not compile.
 #pragma once
 
 #include <span>
@@ -17,14 +17,14 @@ class TomlTable;
 struct DriveNumbers;
 struct Tool;
 
-/// How the cutting part moves while the hand holds still. Cutting takes the mean over a cycle.
+/// Motion of the cutting part relative to the hand. Cutting takes the mean over a cycle.
 enum class ToolMotion {
   kSpin,    ///< about the tool's z axis, clockwise seen from the shank
   kStroke,  ///< to and fro along z
   kSwing    ///< to and fro about a pivot on the z axis at the height blade_length_mm, in the plane y = 0
 };
 
-/// How a tool's file says how fast its drive is, and what stops it.
+/// Keys of a tool file for the speed of its drive and its stall load.
 struct DriveKeys {
   const char* speed;       ///< key: "speed_rpm"
   double low, high;        ///< range of the speed, in `unit`
@@ -33,20 +33,20 @@ struct DriveKeys {
   const char* stall;       ///< key: "stall_torque_Nmm"
   const char* stall_unit;  ///< "N mm"
 };
-/// Of burs, drills and discs.
+/// For burs, drills and discs.
 inline constexpr DriveKeys kTurns{"speed_rpm", 1, 1e6, 1.0 / 60, "rpm", "stall_torque_Nmm", "N mm"};
 
 struct BladeMotion {
   // --- The tool file ---
   const char* name;                   ///< as in files: "sagittal"
-  const char* also_called;            ///< another word for it, which a message puts right; "" if there is none
+  const char* also_called;            ///< common synonym, corrected by a message; "" if none
   std::span<const char* const> keys;  ///< beside motion, thickness and set_per_side
   const DriveKeys& drive_keys;
-  /// Reads the keys and makes cut, body and plunge_direction. Mistakes stay in `top`.
+  /// Reads the keys and makes cut, body and plunge_direction. Errors stay in `top`.
   /// @pre thickness_mm and set_per_side_mm are read.
   void (&read)(TomlTable& top, Tool& tool);
 
-  // --- What it cuts ---
+  // --- Cutting ---
   ToolMotion form;
   /// See plungeVolume(): from the numbers alone, mm^3. @pre depth_mm > 0.
   double (&plunge_volume)(const Tool& tool, double depth_mm, double window_mm);
@@ -62,17 +62,17 @@ struct BladeMotion {
   std::string (&drawing)(const Tool& tool);             ///< see toolDrawing()
 
   // --- Drive and sound ---
-  /// How far one cycle goes, one way: mm (kStroke) or rad (kSwing); of a disc a turn.
+  /// Travel of one cycle, one way: mm (kStroke) or rad (kSwing); a turn for a disc.
   double (&way)(const Tool& tool);
-  /// Teeth that pass a place on the bone in one way, or in a turn; 0 where the pitch is not known.
+  /// Teeth that pass a place on the bone in one way, or in a turn; 0 if the pitch is unknown.
   double (&teeth)(const Tool& tool);
-  /// Training defaults, each with its source; a disc names none and is driven as a bur of its size.
+  /// Training defaults, each with its source; a disc has none and uses the drive of a bur of its size.
   DriveNumbers (&usual_drive)(const Tool& tool);
 };
 
 /// All motions, in the order in which messages name them.
 std::span<const BladeMotion* const> bladeMotions();
-/// By its name in files; null if there is none.
+/// By its name in files; null if none.
 const BladeMotion* findBladeMotion(const std::string& name);
 
 }  // namespace kerf

@@ -1,4 +1,4 @@
-// What the sources of blade motions share: keys, drawings and meshes of toothed blades.
+// Shared by the sources of blade motions: keys, drawings and meshes of toothed blades.
 #pragma once
 
 #include <string>
@@ -10,12 +10,12 @@
 
 namespace kerf::internal {
 
-/// width, length and tooth_pitch, which every blade with a row of teeth has.
+/// width, length and tooth_pitch, common to all blades with a row of teeth.
 void readToothedBlade(TomlTable& top, Tool& tool);
-/// edge_depth, 0.5 mm unless the file says otherwise.
+/// edge_depth, default 0.5 mm.
 void readEdgeDepth(TomlTable& top, Tool& tool);
 
-/// How deep a gullet is drawn, mm.
+/// Depth of a gullet in drawings, mm.
 double gulletDepth(const Tool& tool);
 /// The cross-section ten times as large beside the drawing (thickness, kerf), and the sheet's head lines.
 /// @param numbers  of the second line: "stroke 3 mm".

@@ -103,7 +103,7 @@ std::vector<ProfilePoint> readProfile(TomlTable& top) {
   return out;
 }
 
-// What cuts: both, or one of side and end.
+// Cutting parts: both, or one of side and end.
 void readCuts(TomlTable& top, Tool& tool) {
   constexpr const char* kExpected = "[\"side\", \"end\"], [\"side\"] or [\"end\"]";
   if (!top.has("cuts")) return top.allow("cuts");
@@ -200,7 +200,7 @@ HeadNumbers readHead(TomlTable& top, const HeadShape& shape) {
   return n;
 }
 
-// What only collides above the head; diameter 0: there is none.
+// Inert part above the head; diameter 0: none.
 struct Stem {
   double neck = 0, neck_length = 0, shank = 0, shank_length = 0;  // mm
 };
@@ -222,7 +222,7 @@ Stem readStem(TomlTable& top, double head_diameter) {
   return stem;
 }
 
-// Up to where the end reaches, if only one of side and end cuts; 0: left out, as a drill may.
+// Upper limit of the end, if only one of side and end cuts; 0: omitted, as allowed for a drill.
 double readEndLength(TomlTable& top, const Tool& tool, bool is_parted) {
   top.allow("end_length");
   if (is_parted && (top.has("end_length") || tool.shape != "drill")) return top.number("end_length", 0.05, 50);
@@ -231,7 +231,7 @@ double readEndLength(TomlTable& top, const Tool& tool, bool is_parted) {
   return 0;
 }
 
-// The head's outline; nothing, and the mistake in `top`, when the numbers make none.
+// The head's outline; empty, with the error in `top`, if the numbers are invalid.
 std::optional<RevolvedProfile> buildHead(TomlTable& top, const HeadShape& shape, const HeadNumbers& n) {
   const auto built = shape.build(n);
   if (!built) {

@@ -51,7 +51,7 @@ std::vector<Width> statedWidths(const Tool& tool, double shown) {
   return widths;
 }
 
-// Lifts numbers that would be written over each other.
+// Lifts numbers that would overlap.
 void keepApart(std::vector<Width>& widths, double distance) {
   double lowest = -1e9;
   for (auto& [height, diameter] : widths) {

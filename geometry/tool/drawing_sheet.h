@@ -8,7 +8,7 @@
 
 namespace kerf::internal {
 
-/// A length as drawings say it: at most two decimals.
+/// A length for drawings: at most two decimals.
 std::string mm(double value);
 
 /// Drawing coordinates: x to the right and y upwards, mm; the tip's level is y = 0. Places on the sheet: px from its
@@ -39,7 +39,7 @@ class Sheet {
   void wide(double low_x, double high_x, double at, double column, const std::string& what);
   void breakLine(double low, double high, double at);
 
-  /// The whole file: name, second line, ISO 6360, scale bar and what was drawn.
+  /// The whole file: name, second line, ISO 6360, scale bar and the drawing.
   std::string finished(const Tool& tool, const std::string& second_line);
 
  private:

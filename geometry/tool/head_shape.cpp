@@ -19,7 +19,7 @@ Outline wrong(const char* key, std::string expected, std::string hint = "") {
   return tl::unexpected<HeadMistake>({key, std::move(expected), std::move(hint)});
 }
 
-// Where the line through `from`, with the circle on its left, touches the circle. With the line's outward normal
+// Tangent point on the circle of the line through `from`, with the circle on its left. With the line's outward normal
 // (cos a, -sin a) and v = from - center: v.(cos a, -sin a) = r, so a = acos(r / |v|) - atan2(v_y, v_x).
 Point touch(const Point& center, double r, const Point& from) {
   const Point v = from - center;
@@ -194,7 +194,7 @@ Outline freeOutline(const Numbers& n) {
           fmt::format("{}an arc radius of at least {:.4g} mm, half the way from the point before", which, half),
           fmt::format("{:.4g} for a half circle", half));
 
-    // The centre lies beside the middle of the way: inwards (left of it) for a bulge.
+    // The centre lies beside the middle of the segment: inwards (left of it) for a bulge.
     const Point along = (to - from) / (2 * half), left(-along[1], along[0]);
     const double off = std::sqrt(std::max(0.0, radius * radius - half * half));
     const Point center = 0.5 * (from + to) + (p.arc_radius > 0 ? off : -off) * left;

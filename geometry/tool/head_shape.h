@@ -1,5 +1,5 @@
-// The heads of burs by name. A name only makes an outline: what cuts, collides and is drawn knows outlines alone, so a
-// form without a name here is written as `profile`, without C++.
+// The heads of burs by name. A name only selects an outline. Cutting, collision and drawing use outlines only, so a
+// form without a name is a `profile` in the file, without C++.
 #pragma once
 
 #include <limits>
@@ -12,13 +12,13 @@
 
 namespace kerf {
 
-/// A corner of a free outline. `arc_radius` belongs to the way from the corner before: 0 a line, > 0 an arc that bulges
-/// out, < 0 one that hollows the head. mm.
+/// A corner of a free outline. `arc_radius` belongs to the segment from the previous corner: 0 a line, > 0 an arc that
+/// bulges out, < 0 one that hollows the head. mm.
 struct ProfilePoint {
   double height = 0, diameter = 0, arc_radius = 0;
 };
 
-/// What a tool file says about a head, mm and degrees. NaN: says nothing.
+/// Numbers of a head in a tool file, mm and degrees. NaN: not given.
 struct HeadNumbers {
   static constexpr double kUnsaid = std::numeric_limits<double>::quiet_NaN();
   double head_diameter = kUnsaid, head_length = kUnsaid;
@@ -38,7 +38,7 @@ struct HeadKey {
 /// All of them, in the order in which a file states them.
 std::span<const HeadKey> headKeys();
 
-/// Numbers that make no head: which key, what was expected, what to try.
+/// Error in the numbers of a head: key, expected value, remedy.
 struct HeadMistake {
   std::string key, expected, hint;
 };
@@ -47,13 +47,14 @@ struct HeadShape {
   struct Key {
     const char* name;
     double example;        ///< in head diameters (angles: degrees): a head that looks like one
-    const char* unsaid{};  ///< what leaving it out means; null: it is required
+    const char* unsaid{};  ///< meaning of a missing key; null: it is required
   };
   const char* name;
-  const char* outline;    ///< for people
+  const char* outline;    ///< for display
   std::vector<Key> keys;  ///< beside head_diameter
   bool takes_profile = false;
-  /// Numbers to outline: closed, tip at height 0. Its widest is head_diameter but for a profile, which has its own.
+  /// Numbers to outline: closed, tip at height 0. Its largest width is head_diameter, except for a profile, which has
+  /// its own.
   tl::expected<RevolvedProfile, HeadMistake> (*build)(const HeadNumbers&) = nullptr;
 };
 

@@ -10,7 +10,7 @@ namespace {
 struct Meaning {
   const char *code, *meaning;
 };
-// Public catalogues and decoders agree on these; where they do not (sintered diamond), the code is left out.
+// Public catalogues and decoders agree on these codes. The table omits disputed codes (sintered diamond).
 constexpr Meaning kMaterials[] = {{"310", "steel"}, {"500", "tungsten carbide"}, {"806", "diamond"}};
 constexpr Meaning kShapes[] = {{"001", "round"},
                                {"010", "inverted cone"},

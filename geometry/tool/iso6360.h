@@ -9,7 +9,7 @@
 namespace kerf {
 
 /// A number system for rotary instruments (ISO 6360): material, shank with overall length, shape, execution, head
-/// diameter. Meanings are those Kerf knows; an unknown group is kept and means nothing.
+/// diameter. An unknown group stays, without a meaning.
 struct Iso6360 {
   std::string material;   ///< three digits: 806 diamond, 500 tungsten carbide
   std::string shank;      ///< three digits: 314 friction grip, 1.6 mm, 19 mm long
@@ -19,7 +19,7 @@ struct Iso6360 {
 
   struct Shank {
     const char* name;
-    double diameter_mm, length_mm;  ///< of the shank; of the whole instrument
+    double diameter_mm, length_mm;  ///< diameter of the shank; length of the whole instrument
   };
   double diameterMm() const { return tenths / 10.0; }
   std::optional<Shank> shankKnown() const;
@@ -31,7 +31,7 @@ struct Iso6360 {
   std::string meaning() const;
 };
 
-/// kBadValue with `found`, `expected` and `hint`; file and place are the caller's to add.
+/// kBadValue with `found`, `expected` and `hint`; the caller adds file and place.
 Expected<Iso6360> parseIso6360(const std::string& code);
 
 }  // namespace kerf

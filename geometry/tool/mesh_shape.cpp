@@ -160,8 +160,8 @@ Box3 HalfShape::bounds() const {
 
 namespace {
 
-// Whether no vertex lies more than `slack` mm above the plane of any triangle. Of a fine mesh hardly any vertex has to
-// be asked: a tree of them knows how high those of a box lie at most.
+// True if no vertex lies more than `slack` mm above the plane of any triangle. A tree of vertices bounds the height of
+// those in a box, so a fine mesh needs few tests.
 bool isConvex(const Mesh& mesh, double slack) {
   std::vector<Box3> points(mesh.vertices.size());
   for (std::size_t v = 0; v < points.size(); ++v) points[v].add(mesh.vertices[v]);

@@ -1,4 +1,4 @@
-// A closed mesh as a solid known by its distance: tools drawn elsewhere.
+// Distance to a closed mesh: for tools imported as a mesh.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@ namespace kerf {
 class MeshShape final : public ToolShape {
  public:
   /// @pre closed, 2-manifold, turned outwards, without self-intersections (checkMesh); mm.
-  /// @param is_convex  the caller knows that it is (convexPartBelow): sweeps are then much faster.
+  /// @param is_convex  true for a mesh known to be convex (convexPartBelow): makes sweeps much faster.
   explicit MeshShape(Mesh mesh, bool is_convex = false);
   double distance(const Vec3d& p) const noexcept override;
   Box3 bounds() const override { return box_; }
@@ -42,8 +42,8 @@ class MeshShape final : public ToolShape {
   std::vector<Node> nodes_;
 };
 
-/// The part of a solid below (or above) a level z. Exact inside; outside a lower bound where the rest of the solid or
-/// the rim of the cut is nearer. The zero level is exact.
+/// The part of a solid below (or above) a level z. Exact inside; outside a lower bound if the rest of the solid or the
+/// rim of the cut is nearer. The zero level is exact.
 class HalfShape final : public ToolShape {
  public:
   HalfShape(std::shared_ptr<const ToolShape> solid, double level, bool is_below)

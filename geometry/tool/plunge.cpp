@@ -35,7 +35,7 @@ std::pair<double, double> risingPart(const Piece& piece) {
   return {piece.from[1], piece.to[0] > piece.from[0] ? piece.to[1] : piece.from[1]};
 }
 
-// Height in the rising part of a piece where it gets as wide as r: from there on it cuts wider than what came before.
+// Height in the rising part of a piece where it gets as wide as r: from there on it cuts wider than before.
 double heightOfRadius(const Piece& piece, double r) {
   if (piece.arc_radius > 0) {
     const double dr = r - piece.center[0], q = piece.arc_radius * piece.arc_radius;
@@ -126,7 +126,7 @@ Box3 boxBelow(const Mesh& mesh, double top) {
   return part;
 }
 
-// A picture of heights from below: per cell the lowest point of a mesh, infinite where there is none below `top`.
+// A picture of heights from below: per cell the lowest point of a mesh, infinite without a point below `top`.
 class HeightPicture {
  public:
   static constexpr int kCells = 1200;

@@ -148,7 +148,7 @@ DriveNumbers usualDrive(const Tool&) {
   out.frequency_hz = 15000 / 60.0;  // 5 000 to 20 000 cycles a minute
   out.stall_load = 1500;
   out.time_constant_s = 0.05;
-  out.drag_factor = 2;  // as of reciprocating saws
+  out.drag_factor = 2;  // as for reciprocating saws
   return out;
 }
 

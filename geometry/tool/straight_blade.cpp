@@ -98,8 +98,8 @@ double way(const Tool& tool) { return tool.stroke_mm; }
 
 double teeth(const Tool& tool) { return tool.tooth_pitch_mm > 0 ? tool.stroke_mm / tool.tooth_pitch_mm : 0; }
 
-// The drag factor of blades that go to and fro: oscillating saws in bone have a thrust of 1.4 to 1.8 times the cutting
-// force (thesis, globethesis.com 2404330590467824); with the table's 0.3 alone it would be 3.3.
+// Drag factor of reciprocating blades: oscillating saws in bone have a thrust of 1.4 to 1.8 times the cutting force
+// (thesis, globethesis.com 2404330590467824); with the table's 0.3 alone it would be 3.3.
 DriveNumbers reciprocatingDrive(const Tool& tool) {
   DriveNumbers out;
   // Micro saws 9 800 to 12 600 cycles a minute (J Biomech Eng 2014;136:034501); a longer stroke is a hand's, two cycles
@@ -113,7 +113,7 @@ DriveNumbers reciprocatingDrive(const Tool& tool) {
 DriveNumbers piezoDrive(const Tool&) {
   DriveNumbers out;
   out.frequency_hz = 29000;  // 24 to 36 kHz
-  out.stall_load = 4.5;      // tangential: the tip is damped by what it presses on
+  out.stall_load = 4.5;      // tangential: the pressed material damps the tip
   out.time_constant_s = 0.05;
   out.energy_factor = 16;  // a site of 2 mm, 10 mm deep, in 99 to 155 s (BMRI 2016:6473680): 0.2 to 0.3 mm^3/s
   out.drag_factor = 2;

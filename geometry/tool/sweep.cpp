@@ -38,7 +38,7 @@ double SweptTool::at(const Vec3d& x, double s) const noexcept {
 }
 
 double SweptTool::distance(const Vec3d& x, double cutoff, double tolerance, double floor) const noexcept {
-  // Nothing of the point's motion relative to the tool is faster than this per unit of s.
+  // Largest speed of the point relative to the tool, per unit of s.
   double lever = 0;
   if (angle_ > 0)  // the distance from the turning axis through the tip is convex along the way: largest at an end
     lever = std::max(axis_.cross(x - start_).norm(), axis_.cross(x - start_ - travel_).norm());

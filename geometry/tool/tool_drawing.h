@@ -1,4 +1,4 @@
-// A workshop drawing of a tool: what cuts, what only collides, and its dimensions.
+// Workshop drawing of a tool: cutting part, inert parts, and dimensions.
 #pragma once
 
 #include <string>

@@ -12,7 +12,7 @@ namespace {
 using Symmetry = ToolShape::Symmetry;
 using internal::TableForm;
 
-constexpr float kRoundingOfPlates = 1e-6f;  // mm: ten times what a coordinate of a millimetre is off by
+constexpr float kRoundingOfPlates = 1e-6f;  // mm: ten times the rounding error of a coordinate of a millimetre
 constexpr double kRoundings = 16;           // of a point's coordinates, seen from the tool before and after it moves
 
 }  // namespace

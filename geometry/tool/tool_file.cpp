@@ -65,7 +65,7 @@ Expected<Tool> readTool(const fs::path& file) {
   KERF_CHECK(top.finish());
   KERF_CHECK(readDrive(top, file, tool));
 
-  // Last: a renamed copy of a tool should hear of what else is wrong with it first.
+  // Last, so that a renamed copy of a tool reports its other errors first.
   if (file.filename() != kCopyInRun && file.stem() != tool.id) {
     const std::string stem = file.stem().string();
     top.reject("id", "\"" + tool.id + "\"", "the file's name, \"" + stem + "\"", "id = \"" + stem + "\"");

@@ -12,16 +12,15 @@
 namespace kerf {
 
 /// Reads one tool. Unknown keys, missing keys, values out of range, an ISO 6360 code that disagrees with the diameter:
-/// errors with file, line, key, what was found and what is expected (and the nearest known key).
+/// errors with file, line, key, found and expected value (and the nearest known key).
 Expected<Tool> readTool(const std::filesystem::path& file);
 
 struct ToolListing {
   std::filesystem::path file;
   std::optional<Tool> tool;
-  std::optional<Error> error;  ///< why the file could not be read: listed, not hidden
+  std::optional<Error> error;  ///< reading error of the file
 };
-/// Every *.toml in the folders, sorted by id; of an id in several folders the first. A folder that does not exist is
-/// skipped.
+/// Every *.toml in the folders, sorted by id; for an id in several folders the first. Skips missing folders.
 std::vector<ToolListing> listTools(const std::vector<std::filesystem::path>& folders);
 
 /// $KERF_ASSETS/tools, then beside the installed program, then the source tree this program was built from.

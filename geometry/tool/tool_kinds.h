@@ -8,12 +8,12 @@ namespace kerf {
 
 void readBur(TomlTable& top, Tool& tool);
 void readBlade(TomlTable& top, Tool& tool);
-/// @param folder  of the tool's file: the mesh lies there.
+/// @param folder  folder of the tool's file and of the mesh.
 void readMeshTool(TomlTable& top, const std::filesystem::path& folder, Tool& tool);
 /// The table [drive], if there is one; the tool's kind and motion have been read.
 Expected<void> readDrive(const TomlTable& top, const std::filesystem::path& file, Tool& tool);
 
-/// Calls no key of the kind unknown: for a file that does not say which of them belong.
+/// Allows all keys of the kind, for a file that does not state which of them apply.
 void allowBurKeys(TomlTable& top);
 void allowBladeKeys(TomlTable& top);
 void allowMeshKeys(TomlTable& top);

@@ -8,7 +8,7 @@
 
 namespace kerf {
 
-/// A solid known by its distance. Values, safe to read from any number of threads, allocation-free.
+/// A solid with a distance function. Values, safe to read from any number of threads, allocation-free.
 class ToolShape {
  public:
   virtual ~ToolShape() = default;
@@ -16,17 +16,17 @@ class ToolShape {
   virtual double distance(const Vec3d& p) const noexcept = 0;
   /// Box around the solid, tool frame.
   virtual Box3 bounds() const = 0;
-  /// True only if the solid is convex: its distance is then a convex function, which sweeps use. False costs time only.
+  /// True only if the solid is convex: sweeps then use its convex distance. False only costs time.
   virtual bool isConvex() const = 0;
 
-  /// What the distance depends on, so that a table of it needs two dimensions only.
+  /// Symmetry of the distance, so that its table needs only two dimensions.
   enum class Symmetry {
     kNone,
     kRevolved,  ///< on hypot(x, y) and z
     kPlate      ///< extruded along y: on the distance in the plane y = 0, and on |y|
   };
   virtual Symmetry symmetry() const { return Symmetry::kNone; }
-  /// Of a plate: half its extent along y, mm; the plate is symmetric about y = 0.
+  /// Half the extent of a plate along y, mm; the plate is symmetric about y = 0.
   virtual double halfThickness() const { return 0; }
   /// The solid is all of bounds(): its distance is a formula, which needs no table.
   virtual bool isBox() const { return false; }
@@ -63,7 +63,7 @@ class RevolvedProfile {
   double largestRadius() const;
   /// Radius of the solid at a height, 0 outside its range; at a step the larger one.
   double radiusAt(double height) const;
-  /// The greatest height where the solid is at least as wide as `radius`; lowest() when it nowhere is.
+  /// The greatest height where the solid is at least as wide as `radius`; lowest() if nowhere.
   double highestAsWideAs(double radius) const;
   /// The outline never turns right, so that the solid of revolution is convex.
   bool isConvex() const;

@@ -32,7 +32,7 @@ std::string row(const std::string& assignment, const std::string& meaning) {
   return fmt::format("{:<36} # {}\n", assignment, meaning);
 }
 
-// What every tool file begins with.
+// Head of every tool file.
 std::string head(const std::string& id, const char* name, const char* kind) {
   return "# Lengths in mm; diameters, never radii. Say here where the numbers come from.\n"
          "format = \"kerf-tool\"\nversion = 1\n" +
@@ -40,11 +40,11 @@ std::string head(const std::string& id, const char* name, const char* kind) {
          fmt::format("name = \"{}\"\ndescription = \"\"\nkind = \"{}\"\n", name, kind);
 }
 
-// What the keys of blades mean, with numbers that make one.
+// Meaning of the blade keys, with valid numbers.
 struct BladeKey {
   const char* name;
   double example;
-  double small;  // of a blade that only trembles: its stroke is a tenth of a millimetre
+  double small;  // for a blade with a stroke of only a tenth of a millimetre
   const char* meaning;
 };
 constexpr BladeKey kBladeKeys[] = {
