@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A folder is no mesh, whatever else it is.
+// A folder is no mesh.
 Expected<void> requireMeshNotFolder(const fs::path& path) {
   std::error_code ignored;
   if (!fs::is_directory(path, ignored)) return {};
@@ -51,7 +51,7 @@ Expected<std::vector<std::string>> hashMeshes(const std::vector<fs::path>& meshe
   for (const fs::path& path : meshes) {
     KERF_CHECK(requireMeshNotFolder(path));
     std::error_code ignored;
-    const bool is_volume = fs::is_regular_file(path, ignored) && isLabelVolume(path);  // refused when it is read
+    const bool is_volume = fs::is_regular_file(path, ignored) && isLabelVolume(path);  // the reader rejects it
     KERF_TRY(hash, is_volume ? sha256OfFile(path) : internal::sha256OfSource(path));
     hashes.push_back(hash);
   }

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Raised by every change of what a bake makes of the same inputs.
+// Raise it with every change of the result for the same inputs.
 constexpr int kBakeRevision = 7;
 
 const char* nameOf(CloseMode mode) {
@@ -47,7 +47,7 @@ std::string caseId(std::span<const std::string> hashes, const BakeOptions& o, co
   return sha256(std::as_bytes(std::span(text.data(), text.size())));
 }
 
-// The case that is there already, if it is this very one and undamaged.
+// The existing case, if it is the same one and undamaged.
 std::optional<CaseManifest> existing(const fs::path& case_folder, const std::string& id) {
   if (!isCase(case_folder)) return {};
   auto manifest = readCaseManifest(case_folder);
@@ -75,7 +75,7 @@ void describeMaterials(const BakeObject& object, const AnatomyStats& stats, Mate
   }
 }
 
-// The manifest but for the hashes of what is yet to be written.
+// Fills the manifest, except the hashes of files not yet written.
 void describeCase(const BakeObject& object, const AnatomyStats& stats, const BakeOptions& options,
                   const MaterialTable& materials, CaseManifest& m) {
   m.kerf_version = kVersion;

@@ -1,10 +1,10 @@
-// The phases every bake shares, whatever the object is made from:
+// The phases of every bake, for any source of the object:
 //
 //   plan      options, materials, hashes of the inputs        bake.cpp, bake_recipe.cpp; settleSizes()
-//   open      the id of the case; is it there already?        openCase()
+//   open      the id of the case; does it exist already?      openCase()
 //   read      meshes and labels, brought to mm                bake_sources.cpp, bake_recipe.cpp
 //   check     defects of the sources, in a thread beside      checkAside()
-//   close     one solid, and what each place is made of       bake.cpp, bake_recipe.cpp; finishClosing()
+//   close     one solid, and the material of each place       bake.cpp, bake_recipe.cpp; finishClosing()
 //   voxelize  distance field, materials, point shell          voxelizeObject()
 //   write     manifest, solid and grids; the case appears     writeCase()
 #pragma once
@@ -41,7 +41,7 @@ class Stopwatch {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-/// What goes from phase to phase.
+/// Data passed from phase to phase.
 struct BakeJob {
   BakeOptions options;
   const Progress& progress;
@@ -49,7 +49,7 @@ struct BakeJob {
   Stopwatch watch{};
 };
 
-/// The object to bake, whatever it came from. The claims may point to meshes and labels that must outlive it.
+/// The object to bake, from any source. The claims may point to meshes and labels that must outlive it.
 struct BakeObject {
   Mesh solid;
   std::vector<MaterialClaim> claims;
@@ -57,27 +57,26 @@ struct BakeObject {
 
 struct BakedGrids {
   Anatomy anatomy;
-  std::optional<Anatomy> fine;  ///< of BakeOptions::region
+  std::optional<Anatomy> fine;  ///< grids of BakeOptions::region
 };
 
-/// Fills in the sizes that are left to the program. Errors: kBadValue for a voxel size that is out of range, or in a
-/// fine region not below the object's.
+/// Fills in default sizes. Errors: kBadValue for a voxel size out of range, or in a fine region not below the object's.
 Expected<void> settleSizes(BakeOptions& options);
 
-/// Gives the case its id, made of everything the result depends on: the same id, the same case.
-/// @param hashes  of the inputs.   @param more  what else the result depends on, as text.
-/// @return the folder to build the case in, or nothing if this very case is there already, undamaged, and
-/// `options.overwrite` is not set; the report then says so.
+/// Gives the case its id, from all inputs of the result: the same id means the same case.
+/// @param hashes  of the inputs.   @param more  further inputs of the result, as text.
+/// @return the folder to build the case in, or empty if the same case exists already, undamaged, and
+/// `options.overwrite` is not set; the report then states it.
 Expected<std::optional<AtomicFolder>> openCase(const std::filesystem::path& case_folder,
                                                std::span<const std::string> hashes, const std::string& more,
                                                BakeJob& job);
 
 using MeshChecks = std::future<std::vector<MeshReport>>;
-/// Checks the sources in a thread of its own, while closing mends them: the result is only for the report.
+/// Checks the sources in a separate thread, while closing repairs them; the result is only for the report.
 /// The future's destructor waits, so the meshes must outlive it.
 MeshChecks checkAside(const std::vector<Mesh>& sources);
 
-/// Takes the times of closing and of the checks beside it, and what the checks found.
+/// Records the times of closing and of the parallel checks, and the results of the checks.
 void finishClosing(MeshChecks& checks, BakeJob& job);
 
 /// Distance field, materials and point shell, at 0.3 to 0.85 of the job. Fills the region in the manifest.

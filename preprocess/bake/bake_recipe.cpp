@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using internal::BakeJob;
 
-// The recipe's settings, where the caller gave none that goes before them.
+// The recipe's settings, unless the caller overrides them.
 BakeOptions optionsOf(const CaseRecipe& recipe, const BakeOptions& asked) {
   BakeOptions options = asked;
   if (!asked.voxel_is_given && recipe.voxel_mm) options.voxelize.voxel_mm = *recipe.voxel_mm;
@@ -55,7 +55,7 @@ MeshFiles meshFilesOf(const CaseRecipe& recipe) {
   return files;
 }
 
-// Of the meshes, in their order, then of the label volume.
+// Hashes of the meshes, in their order, then of the label volume.
 Expected<std::vector<std::string>> hashInputs(const CaseRecipe& recipe, const MeshFiles& meshes) {
   std::vector<fs::path> all = meshes.paths;
   if (recipe.labels) all.push_back(recipe.resolve(recipe.labels->volume));
@@ -73,7 +73,7 @@ Expected<std::vector<std::string>> hashInputs(const CaseRecipe& recipe, const Me
   return hashes;
 }
 
-// The recipe itself, and what numbers its materials have in the grid.
+// The recipe itself, and the numbers of its materials in the grid.
 Expected<std::string> textForId(const CaseRecipe& recipe) {
   KERF_TRY(hash, sha256OfFile(recipe.file));
   std::string text = hash + '\n';
@@ -86,14 +86,14 @@ Expected<void> storeRecipe(const fs::path& recipe_file, const fs::path& case_fol
   return copyFile(recipe_file, case_folder / kCaseRecipe);
 }
 
-// readMeshSources() takes every unit it is given for one from the command line.
+// readMeshSources() treats every given unit as one from the command line.
 void creditUnitToRecipe(CaseManifest& manifest) {
   constexpr std::string_view kAsked = "as asked with --unit";
   for (CaseSource& source : manifest.sources)
     if (source.unit_reason.starts_with(kAsked)) source.unit_reason.replace(0, kAsked.size(), "as the recipe says");
 }
 
-// What the label volume brings: the surface around all tissue, and which label a place has.
+// Result of the label volume: the surface around all tissue, and the label of a place.
 struct LabelObject {
   std::shared_ptr<const SmoothLabels> labels;
   Mesh surface;
@@ -150,7 +150,7 @@ Expected<LabelObject> readLabels(const CaseRecipe& recipe, const std::string& ha
   return object;
 }
 
-// What an error of closing says about one part of a recipe.
+// Error of closing for one part of a recipe.
 Error errorOfPart(Error e, const fs::path& path, const fs::path& name) {
   if (e.file.empty()) e.file = path.string();
   if (e.hint.starts_with("--close") && e.hint.find("base") != e.hint.npos) {  // not for a recipe: see refuseBase()
@@ -162,7 +162,7 @@ Error errorOfPart(Error e, const fs::path& path, const fs::path& name) {
   return e;
 }
 
-// Each mesh as a solid of its own, by its name: it is asked what it covers.
+// Each mesh as a separate solid, by its name, for the claims.
 struct Solids {
   std::map<fs::path, Mesh> of;
   std::vector<std::string> changes, warnings;  // of closing them, after the name of the file
@@ -199,7 +199,7 @@ Expected<Mesh> unite(const std::vector<Mesh>& parts, const BakeOptions& options,
                      const Progress& progress) {
   CloseOptions close = options.close;
   if (close.mode == CloseMode::kAuto) close.mode = CloseMode::kRepair;
-  close.accept_doubtful = true;  // each part was judged by itself; what lies in another is lost in a union
+  close.accept_doubtful = true;  // judged part by part; a union loses nested parts
   auto exact = closeMeshes(parts, close, partOf(progress, 0, 0.5));
   if (exact && exact->report.exact) {
     out.close = exact->report;
@@ -223,7 +223,7 @@ Expected<Mesh> unite(const std::vector<Mesh>& parts, const BakeOptions& options,
   return std::move(solid.mesh);
 }
 
-// unite(), entered in the manifest after what closing the parts changed.
+// unite(), entered in the manifest after the changes of closing the parts.
 Expected<Mesh> uniteParts(const std::vector<Mesh>& outline, const Solids& solids, BakeJob& job) {
   if (!report(job.progress, 0.2, "uniting parts")) return cancelledBeforeWriting();
   KERF_TRY(solid, unite(outline, job.options, job.report, partOf(job.progress, 0.2, 0.3)));

@@ -62,7 +62,7 @@ std::string whatIsLost(const CloseReport& c) {
   return text;
 }
 
-// What matters first: what came out, and what of the scan did not.
+// First lines: the result, and the missing parts of the scan.
 void addHeadline(const BakeReport& r, Text& out) {
   const CaseManifest& m = r.manifest;
   out.line(fmt::format("solid: {}, {:.2f} mm3, {:.2f} mm2; {} vertices, {} triangles", describe(r.pieces),

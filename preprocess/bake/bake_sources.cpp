@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kKeptArea = 0.5;  // of the sources' area: a layer that is there twice goes
+constexpr double kKeptArea = 0.5;  // of the sources' area: closing drops one of two equal layers
 
 /// The voxel size, rounded up to a micron, whose field fits into memory.
 double voxelThatFits(const Mesh& half, VoxelizeOptions options, std::uint64_t most_bytes) {
@@ -29,8 +29,8 @@ double voxelThatFits(const Mesh& half, VoxelizeOptions options, std::uint64_t mo
   return std::ceil(options.voxel_mm * 1000) / 1000;
 }
 
-/// As the sources, shrunk until it has the area that closing leaves at least: half of theirs, and no more than their
-/// box. Thousands of copies of one triangle have a large area, too.
+/// The sources, shrunk to the smallest area that closing leaves: half of theirs, and at most that of their box.
+/// Thousands of copies of one triangle have a large area, too.
 Mesh shrunkToKeptArea(const std::vector<Mesh>& meshes, const Vec3d& size) {
   Mesh out;
   for (const Mesh& mesh : meshes) append(out, mesh);
@@ -44,7 +44,7 @@ Mesh shrunkToKeptArea(const std::vector<Mesh>& meshes, const Vec3d& size) {
 // The extension to store a source under. A name may hold any byte, a manifest only text: odd ones are dropped.
 std::string safeExtension(const fs::path& path) {
   std::string e = path.extension().string();
-  // `.nii.gz` is one extension to those who read it.
+  // `.nii.gz` counts as one extension.
   if (const fs::path inner = path.stem().extension(); e == ".gz") e = inner.string() + e;
   const auto plain = [](char c) {
     return c == '.' || (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
@@ -82,7 +82,7 @@ void describeSource(const MeshFile& file, const UnitChoice& choice, CaseSource& 
 void bringToMm(MeshFile& file, double scale_to_mm) {
   if (scale_to_mm != 1)
     for (Vec3d& p : file.mesh.vertices) p *= scale_to_mm;
-  else if (!file.had_double_coordinates)  // decimals that say no more than a float32: nothing to report
+  else if (!file.had_double_coordinates)  // decimals within float32 precision: nothing to report
     for (Vec3d& p : file.mesh.vertices) p = roundedToFloat(p);
 }
 
@@ -185,7 +185,7 @@ Expected<void> checkObjectSize(const std::vector<fs::path>& paths, const std::ve
   for (const Mesh& mesh : meshes)
     for (const Triangle& f : mesh.triangles)
       for (const std::uint32_t v : f) box.add(mesh.vertices[v]);
-  if (box.isEmpty()) return {};  // closing says so
+  if (box.isEmpty()) return {};  // closing reports it
 
   const Vec3d size = box.size();
   const CaseSource& source = report.manifest.sources[0];

@@ -1,4 +1,4 @@
-// The files a case is made from: hashed, copied into the case, read, and brought to mm.
+// Source files of a case: hashing, copying into the case, reading, and conversion to mm.
 #pragma once
 
 #include <filesystem>
@@ -23,20 +23,19 @@ Expected<CaseSource*> storeSource(const std::filesystem::path& path, const std::
                                   CaseManifest& manifest);
 
 /// Reads meshes and brings them to mm; fills the report's sources, notes and unit doubts.
-/// @param unit     as asked for; empty: as each file declares, or by size.
+/// @param unit     the user's unit; empty: as each file declares, or by size.
 /// @param as_one   the meshes are parts of one object: those that declare no unit share one, by their common box.
 Expected<std::vector<Mesh>> readMeshSources(const std::vector<std::filesystem::path>& paths,
                                             const std::vector<std::string>& hashes, const std::string& unit,
                                             bool as_one, const std::filesystem::path& case_folder, BakeReport& report,
                                             const Progress& progress);
 
-/// Refuses an object that no closing or no voxel of that size suits, before the minutes of closing; most often the unit
-/// is wrong, and the error names it: larger than kLargestObject, no larger than a voxel, or of so much surface that its
-/// field would not fit into memory. As closing may drop layers that lie in each other, half of the sources' area
-/// counts, and no more than that of their box.
-/// @param meshes  in mm, as readMeshSources() gave them: the first source of the report is theirs.
-/// @param is_whole  the object has about their area; false for the parts of a recipe, which lie in each other.
-/// Errors: kBadValue, with the file if there is one alone.
+/// Rejects an object that is larger than kLargestObject, no larger than a voxel, or with too much surface for a field
+/// in memory, before the minutes of closing. Most often the unit is wrong, and the error names it. As closing may drop
+/// nested layers, only half of the sources' area counts, and at most that of their box.
+/// @param meshes  in mm, from readMeshSources(); they belong to the first source of the report.
+/// @param is_whole  the object has about their area; false for the parts of a recipe, which are nested.
+/// Errors: kBadValue, with the file if there is only one.
 Expected<void> checkObjectSize(const std::vector<std::filesystem::path>& paths, const std::vector<Mesh>& meshes,
                                bool is_whole, const BakeOptions& options, const BakeReport& report);
 

@@ -20,7 +20,7 @@ std::optional<Material> materialOf(TomlTable& table, const std::string& key, con
   return {};
 }
 
-// The same file is the same path, however it was written.
+// Normalises the path, so that the same file has the same path.
 fs::path fileName(TomlTable& table, const char* key, const char* expected) {
   const auto name = table.get<std::string>(key, expected);
   if (!table.failed() && name.empty()) table.reject(key, "an empty name", expected);
@@ -77,7 +77,7 @@ Expected<RecipePart> readPart(const toml::table& table, const std::filesystem::p
     part.label = static_cast<std::uint16_t>(label);
   }
 
-  // What limits it.
+  // Limits of the part.
   if (t.has("above")) {
     if (!part.depth) t.reject("above", "beside no depth", "above belongs to a part with a depth");
     KERF_TRY(plane, readPlane(table, file));
@@ -130,7 +130,7 @@ Expected<std::vector<fs::path>> readOutline(const toml::table& table, const fs::
   return meshes;
 }
 
-// The keys that stand above all tables, and whether the tables are tables. Returns the array of parts.
+// Reads the keys above all tables, and checks the types of the tables. Returns the array of parts.
 Expected<const toml::array*> readTop(const toml::table& root, const MaterialTable& materials, CaseRecipe& recipe) {
   TomlTable top(root, recipe.file, "");
   const auto format = top.get<std::string>("format", "\"kerf-recipe\"");

@@ -1,11 +1,11 @@
-// The case recipe: which meshes, depths and labels make up an object, and of which material each part is.
+// The case recipe: meshes, depths and labels of an object, and the material of each part.
 //
 //   format = "kerf-recipe"
 //   version = 1
 //   name = "Molar with enamel"
-//   unit = "mm"                        # of the meshes; without it as declared, or by the size of all together
-//   voxel = 0.05                       # mm; --voxel goes before it
-//   drop_specks_mm3 = 1                # pieces of the object smaller than this are dropped; may be left out
+//   unit = "mm"                        # of the meshes; default: as declared, or by the size of all together
+//   voxel = 0.05                       # mm; --voxel overrides it
+//   drop_specks_mm3 = 1                # drops smaller pieces of the object; optional
 //
 //   [[part]]                           # in order of priority: where parts overlap, the first wins
 //   material = "pulp"                  # an id of materials.toml
@@ -14,14 +14,14 @@
 //   [[part]]
 //   material = "enamel"
 //   depth = 1.5                        # less deep than this under the object's surface, mm
-//   above = { point = [0, 0, 5], normal = [0, 0, 1] }   # and above this plane; may be left out
-//   replaces = ["dentin"]              # and only where a later part says dentin; may be left out
+//   above = { point = [0, 0, 5], normal = [0, 0, 1] }   # and above this plane; optional
+//   replaces = ["dentin"]              # and only over dentin of a later part; optional
 //
 //   [[part]]
 //   material = "dentin"
 //   mesh = "tooth.stl"
 //
-//   [outline]                          # the meshes whose union is the object; without it: all meshes and labels
+//   [outline]                          # meshes whose union is the object; default: all meshes and labels
 //   meshes = ["tooth.stl"]
 //
 //   [region]                           # smaller voxels near a line, as along an osteotomy
@@ -29,9 +29,9 @@
 //   radius = 3                         # mm
 //   voxel = 0.05                       # mm, smaller than the object's
 //
-//   [labels]                           # a label volume, for parts that say `label = 2` in the place of a mesh
+//   [labels]                           # a label volume, for parts with `label = 2` instead of a mesh
 //   volume = "cbct.nii.gz"             # NRRD, NIfTI, MetaImage, a folder of DICOM or of slice images
-//   spacing = [0.2, 0.2, 0.5]          # mm; only for volumes that do not say it themselves
+//   spacing = [0.2, 0.2, 0.5]          # mm; only for volumes that do not state it
 //   threshold = 120                    # intensities from here on are label 1; only for volumes without labels
 //   smoothing = 0.8                    # label voxels
 #pragma once
@@ -68,10 +68,10 @@ struct RecipeLabels {
 struct CaseRecipe {
   std::filesystem::path file;
   std::string name;
-  std::string unit;  ///< empty: to be chosen
+  std::string unit;  ///< empty: chooseUnit()
   std::optional<double> voxel_mm{};
   double drop_specks_mm3 = 0;
-  Material fallback = Material::kGeneric;      ///< of places no part is near
+  Material fallback = Material::kGeneric;      ///< material of places far from all parts
   std::vector<RecipePart> parts;               ///< first wins
   std::vector<std::filesystem::path> outline;  ///< empty: all meshes and labels
   std::optional<RecipeLabels> labels{};
@@ -82,10 +82,10 @@ struct CaseRecipe {
   std::vector<std::filesystem::path> meshes() const;
 };
 
-/// True for a file that is meant as a recipe: TOML by its extension.
+/// True for a recipe: a file with a TOML extension.
 bool looksLikeRecipe(const std::filesystem::path& path);
 
-/// Strict, as all of Kerf's TOML files: errors name file, line, key, what was found, what was expected.
+/// Strict, as all of Kerf's TOML files: errors name file, line, key, found value and expected value.
 Expected<CaseRecipe> readCaseRecipe(const std::filesystem::path& file, const MaterialTable& materials);
 
 }  // namespace kerf

@@ -1,4 +1,4 @@
-// What closing did and cost, in numbers that a case keeps.
+// Changes and costs of closing as numbers, stored in a case.
 #pragma once
 
 #include <map>

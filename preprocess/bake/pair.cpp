@@ -88,7 +88,7 @@ Fitted fitTogether(const std::array<const Mesh*, 2>& jaws, const CloseOptions& c
   Vec3d n = Vec3d::Unit(axis);
   if (close.find_occlusal_plane) {
     const auto p = findOcclusalPlaneOfScan(*jaws[0], close), q = findOcclusalPlaneOfScan(*jaws[1], close);
-    if (p && q) n = sharePlane(*p, *q, out);  // without, closing says why there is none
+    if (p && q) n = sharePlane(*p, *q, out);  // otherwise closing reports the reason
   }
 
   // How far they reach into each other.

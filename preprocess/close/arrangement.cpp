@@ -34,7 +34,7 @@ class Arranger {
     const std::size_t n = mesh_.triangles.size();
     items_.resize(n);
 
-    // What meets what, and where.
+    // The intersections of all pairs.
     std::vector<char> touched(n, 0), flat(n, 0);
     for (const auto& [i, j] : pairs)
       if (i == j) flat[i] = 1;
@@ -54,7 +54,7 @@ class Arranger {
       touched[i] = touched[j] = 1;
     }
 
-    // What that cuts the triangles into.
+    // The pieces of the cut triangles.
     std::vector<std::pair<Triangle, std::uint32_t>> pieces;
     for (std::uint32_t t = 0; t < n; ++t) {
       if (flat[t]) continue;
@@ -80,7 +80,7 @@ class Arranger {
   std::uint32_t id(const PlanePoint& p) {
     const auto [it, fresh] = known_.try_emplace(p, static_cast<std::uint32_t>(out_.points.size()));
     if (fresh) {
-      CGAL::exact(it->first);  // forget how it was made: shorter trees, faster comparisons
+      CGAL::exact(it->first);  // drops the construction history: shorter trees, faster comparisons
       out_.points.push_back({CGAL::to_double(p.x()), CGAL::to_double(p.y()), CGAL::to_double(p.z())});
       new_points_.push_back(p);
     }

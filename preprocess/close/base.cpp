@@ -24,8 +24,8 @@ constexpr int kMaxRounds = 20;
 
 Point2 rounded(const Kernel::Point_2& p) { return {roundedToFloat(p.x()), roundedToFloat(p.y())}; }
 
-/// Inserts all segments; where they cross, splits them at float32 points. True when nothing crosses any more; false
-/// after too many rounds, or when `poll` stops it.
+/// Inserts all segments, and splits them at float32 points where they cross. True once nothing crosses; false after too
+/// many rounds, or if `poll` stops it.
 bool arrange(std::vector<Segment>& segments, Cdt& cdt, Poll& poll) {
   for (int round = 0; round < kMaxRounds; ++round) {
     cdt.clear();
@@ -112,7 +112,7 @@ class Floor {
  public:
   Floor(Chain& chain, const BaseFrame& frame, double level) : chain_(chain), frame_(frame), level_(level) {}
 
-  /// Two points of the plane that single precision can not tell apart in space are one vertex.
+  /// Two points of the plane with equal float32 coordinates in space are one vertex.
   std::uint32_t vertex(const Point2& p) {
     const Vec3d x = roundedToFloat(Vec3d(Vec3d::Zero() + level_ * frame_.w + p[0] * frame_.u + p[1] * frame_.v));
     const auto [it, fresh] = vertex_at_.try_emplace({x.x(), x.y(), x.z()}, 0);
@@ -175,7 +175,7 @@ Shadow shadowOf(const Mesh& mesh, const std::vector<Loop>& rims, const BaseFrame
 
 /// Walls from the rims along w to the plane of `foot`, at `end` mm along w.
 void addWalls(Chain& chain, const Shadow& shadow, const BaseFrame& frame, double end, Floor& foot) {
-  std::map<std::uint32_t, std::uint32_t> under;  // of a rim vertex: where its colour has ended
+  std::map<std::uint32_t, std::uint32_t> under;  // per rim vertex: the vertex at the end of its colour
   const auto wallTop = [&](std::uint32_t v) {
     if (!chain.mesh.hasVertexColors()) return v;
     const auto [it, fresh] = under.try_emplace(v, 0);
@@ -284,7 +284,7 @@ Expected<void> extrudeToBase(Chain& chain, const std::vector<Loop>& rims, const 
     return {};
   }
 
-  // The plate's upper side, without what the arch stands on.
+  // The plate's upper side, without the footprint of the arch.
   Net outline_net;
   for (const Segment& s : outline) count(s, outline_net);
   for (const auto& [edge, times] : net) outline_net[edge] -= times;

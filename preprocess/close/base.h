@@ -11,7 +11,7 @@ namespace kerf::internal {
 struct BaseFrame {
   Vec3d u, v, w;
   double level = 0;    ///< mm along w
-  double ceiling = 0;  ///< mm along w, below `level`: where the walls end on the plate
+  double ceiling = 0;  ///< mm along w, below `level`: end of the walls on the plate
 };
 
 /// A frame with the given unit vector as w. A w within 1e-9 of a coordinate axis becomes that axis, exactly: then the

@@ -26,7 +26,7 @@ double length(const Mesh& mesh, const Loop& loop) {
   return sum;
 }
 
-/// Twice the area vector of whatever would close the loop.
+/// Twice the area vector of any surface that closes the loop.
 Vec3d areaVector(const Mesh& mesh, const Loop& loop) {
   const Vec3d c = mesh.vertices[loop[0]];
   Vec3d sum = Vec3d::Zero();
@@ -71,14 +71,15 @@ double degreesToNearestAxis(const Vec3d& w) {
   return std::acos(std::clamp(w.cwiseAbs().maxCoeff() / w.norm(), 0.0, 1.0)) * 180 / std::numbers::pi;
 }
 
-/// Where a scan is open, as its rim tells. A scan is a bowl upside down: its rim lies on the side it opens to. A ribbon
-/// of gum, whose rim also runs around the teeth, tells nothing.
+/// Opening of a scan, from its rim. A scan is a bowl upside down: its rim lies on the open side. A ribbon of gum, whose
+/// rim also runs around the teeth, gives no answer.
 struct Opening {
-  Vec3d direction;  ///< unit: what the triangles' orientation says
-  double rim_side;  ///< how far the rim lies that way from the centroid, along the nearest axis, by the extent there
+  Vec3d direction;  ///< unit: by the triangles' orientation
+  double rim_side;  ///< offset of the rim that way from the centroid, along the nearest axis, relative to the extent
+                    ///< there
   static constexpr double kClear = 0.15;  ///< 0.2 to 0.6 on scans, with either sign
   bool isClear() const { return std::abs(rim_side) > kClear; }
-  /// Where it is really open: if the rim lies behind, the triangles are inside out.
+  /// The true opening: if the rim lies behind, the triangles are inside out.
   Vec3d trueDirection() const { return rim_side < 0 ? Vec3d(-direction) : direction; }
 };
 
@@ -102,13 +103,13 @@ Opening measureOpening(const Mesh& mesh, const Loop& loop) {
   return {open.normalized(), extent > 0 ? (rim - centroid).dot(axis.vector()) / extent : 0};
 }
 
-/// Whether all triangles must be turned. Where neither the rim nor the rim and the file together tell, the base
-/// direction is believed. Errors: kGeometry for a base direction that leads away from the opening: walls would run
-/// through the teeth.
+/// True if all triangles must be turned. If neither the rim nor the rim and the file together decide, the base
+/// direction decides. Errors: kGeometry for a base direction that leads away from the opening: walls would run through
+/// the teeth.
 Expected<bool> isInsideOut(const Opening& opening, const CloseOptions& options) {
   if (!options.base_direction) return opening.rim_side < -Opening::kClear;
   const Vec3d asked = nearestAxis(*options.base_direction).vector();
-  constexpr double kAgrees = 0.02;  // a ragged rim, but on the side the file says: 0.09 on a lower jaw
+  constexpr double kAgrees = 0.02;  // a ragged rim, but on the side of the file's orientation: 0.09 on a lower jaw
   if (!opening.isClear() && opening.rim_side < kAgrees) return opening.direction.dot(asked) < 0;
   const double least = opening.isClear() ? 0.25 : -0.25;  // 75 degrees off, or 105: a ragged rim is 40 off itself
   const Vec3d open = opening.trueDirection();
@@ -122,7 +123,7 @@ Expected<bool> isInsideOut(const Opening& opening, const CloseOptions& options) 
 }
 
 /// The base below the occlusal plane, or below the highest point.
-/// @param lowest  the lowest vertex, mm along w.   @param occlusal  the plane's height along w, if there is one.
+/// @param lowest  the lowest vertex, mm along w.   @param occlusal  the plane's height along w, if any.
 Expected<double> levelByHeight(const Chain& chain, const Vec3d& w, double lowest, std::optional<double> occlusal,
                                double height_mm) {
   constexpr double kLeastMargin = 0.5;
@@ -137,7 +138,7 @@ Expected<double> levelByHeight(const Chain& chain, const Vec3d& w, double lowest
   return fail(std::move(e));
 }
 
-/// Where the base goes. @param down  roughly: a coordinate axis.  @param open  where the scan is open.
+/// Plane of the base. @param down  roughly: a coordinate axis.  @param open  opening of the scan.
 Expected<BaseFrame> placeBase(const Chain& chain, const Vec3d& down, const Vec3d& open, const CloseOptions& options,
                               CloseReport& report) {
   // Which way it faces.
@@ -166,7 +167,7 @@ Expected<BaseFrame> placeBase(const Chain& chain, const Vec3d& down, const Vec3d
         plane.normal.x(), plane.normal.y(), plane.normal.z(), degreesToNearestAxis(w), plane.tips, plane.rms_mm));
   }
 
-  // How far down it lies.
+  // Level of the base.
   BaseFrame frame = baseFrame(w);
   const double lowest = reach(chain.mesh, frame.w);
   frame.level = lowest + options.base_margin_mm;
@@ -199,10 +200,10 @@ std::string describePlace(const BaseFrame& frame) {
 struct Boundary {
   std::vector<Loop> loops;
   std::vector<double> lengths;  ///< mm
-  std::size_t longest = 0;      ///< of those that may be rims, if there are any
-  std::vector<char> is_hole;    ///< by its shape, however long it is
+  std::size_t longest = 0;      ///< among possible rims, if any
+  std::vector<char> is_hole;    ///< by its shape, at any length
   std::vector<char> is_rim;     ///< of a missing underside; the others are holes
-  std::vector<char> is_inner;   ///< of a loose piece that runs through the arch: a hole, closed by a fan
+  std::vector<char> is_inner;   ///< of a loose piece that crosses the arch: a hole, closed by a fan
   double longestLength() const { return lengths[longest]; }
 };
 
@@ -221,7 +222,7 @@ class MissingFaces {
 
   /// A triangle, or a corner of four edges: no underside has so few edges.
   bool isCorner(const Loop& loop) { return loop.size() <= 4 && (loop.size() == 3 || !isFlat(loop)) && encloses(loop); }
-  /// All of a flat face: an underside as well, if nobody says which.
+  /// The loop bounds a whole missing flat face. It may be an underside too; the mode decides.
   bool isFace(const Loop& loop) {
     constexpr std::size_t kMostEdges = 32;
     return loop.size() <= kMostEdges && isFlat(loop) && encloses(loop);
@@ -253,7 +254,7 @@ class MissingFaces {
                        [&](std::uint32_t v) { return std::abs((mesh_.vertices[v] - middle).dot(normal)) <= most; });
   }
   bool encloses(const Loop& loop) {
-    constexpr double kThinnest = 1e-3;  // of the cube of the diagonal: what is thinner is a sheet
+    constexpr double kThinnest = 1e-3;  // of the cube of the diagonal: a thinner mesh is a sheet
     const Piece& piece = pieceOf(loop);
     const double volume = piece.volume - (middleOf(loop) - origin_).dot(piece.area);
     return std::abs(volume) > kThinnest * std::pow(piece.across(), 3);
@@ -338,8 +339,8 @@ double distanceTo(const Eigen::Vector2d& p, const std::vector<Eigen::Vector2d>& 
   return nearest;
 }
 
-/// Whether the shadow of `inner` along the axis lies within that of `outer`: a third of it inside, and nothing farther
-/// out than `overhang` mm. At most 200 vertices of `inner` are asked.
+/// True if the shadow of `inner` along the axis lies within that of `outer`: a third of it inside, and no vertex
+/// farther out than `overhang` mm. Tests at most 200 vertices of `inner`.
 bool liesInShadow(const Mesh& mesh, const Loop& inner, const Loop& outer, int axis, double overhang) {
   std::vector<Eigen::Vector2d> outline;
   for (const std::uint32_t v : outer) outline.push_back(loopShadow(mesh.vertices[v], axis));
@@ -360,8 +361,8 @@ bool mayFill(const CloseOptions& o) {
   return !o.fill_up_to_mm && (o.only.empty() || o.only.count(CloseStep::kFill) > 0);
 }
 
-/// A loose piece that runs through the piece with the longest rim, above the base that this gets or at its edge, needs
-/// no walls of its own: they would bury what lies beside them. Its rim is a hole.
+/// A loose piece that crosses the piece with the longest rim, above or at the edge of its base, gets no walls: they
+/// would bury the neighbouring surface. Its rim is a hole.
 void leaveInnerRims(const Mesh& mesh, const Direction& down, const CloseOptions& options, Boundary& boundary) {
   if (!mayFill(options)) return;
   constexpr double kOverhang = 2, kSmallestDental = 3;  // mm
@@ -435,8 +436,8 @@ std::string listOf(const std::vector<WideSpan>& spans) {
   return text;
 }
 
-/// Says what was put over gaps of the rim. Much of it is no bridge any more: sockets of teeth are gaps, too, and their
-/// mouths are narrow.
+/// Reports the bridges over gaps of the rim, and warns of large ones: tooth sockets with narrow mouths count as gaps
+/// too.
 void reportBridges(BridgedGaps gaps, double scan_mm2, double scale, CloseReport& report) {
   std::stable_sort(gaps.places.begin(), gaps.places.end(),
                    [](const BridgedPlace& x, const BridgedPlace& y) { return x.area_mm2 > y.area_mm2; });
@@ -547,9 +548,9 @@ Boundary boundaryOf(const Mesh& mesh, const CloseOptions& options) {
   return out;
 }
 
-/// A mesh as good as closed whose triangles do not fit together can have a boundary as long as a rim, where no
-/// underside is missing: a base would be invented. What encloses nothing is dropped.
-/// Errors: kGeometry if a boundary as long as a rim is left.
+/// A nearly closed mesh with inconsistent triangles can have a boundary as long as a rim, without a missing underside:
+/// a base would be wrong. So this drops sheets that enclose nothing.
+/// Errors: kGeometry if a boundary as long as a rim remains.
 Expected<void> dropWhatLooksOpen(Chain& chain, const CloseOptions& options, Boundary& boundary, CloseReport& report) {
   const double across = bounds(chain.mesh).size().norm();
   const bool is_asked = !options.only.empty() || options.mode == CloseMode::kBase || options.fill_up_to_mm;
@@ -568,7 +569,7 @@ Expected<void> dropWhatLooksOpen(Chain& chain, const CloseOptions& options, Boun
   return fail(std::move(e));
 }
 
-/// What is narrow along the rims goes, as asked.
+/// Trims narrow parts of the rims, if the options request it.
 void trimBoundary(Chain& chain, const CloseOptions& options, Boundary& boundary, CloseReport& report) {
   const double across = bounds(chain.mesh).size().norm();
   std::vector<Loop> rims;
@@ -595,7 +596,7 @@ void trimBoundary(Chain& chain, const CloseOptions& options, Boundary& boundary,
   boundary = boundaryOf(chain.mesh, options);
 }
 
-/// Refuses holes that are not to be filled.
+/// Rejects holes that the options exclude.
 Expected<void> checkHoles(const Mesh& mesh, const Boundary& boundary, const CloseOptions& options) {
   for (std::size_t i = 0; i < boundary.loops.size(); ++i) {
     if (boundary.is_rim[i]) continue;
@@ -619,7 +620,7 @@ Expected<void> fillHoles(Chain& chain, const Boundary& boundary, CloseReport& re
   for (std::size_t i = 0; i < boundary.loops.size(); ++i) {
     if (boundary.is_rim[i]) continue;
     if (!kerf::report(progress, 0.2, "filling holes")) return cancelled();
-    // A smooth patch would follow the rim of a loose piece, and bury more of the arch than a fan that goes straight in.
+    // A smooth patch would follow the rim of a loose piece, and bury more of the arch than a straight fan.
     if (boundary.is_inner[i])
       fanHole(chain, boundary.loops[i]);
     else

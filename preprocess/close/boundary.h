@@ -11,8 +11,8 @@ namespace kerf::internal {
 /// Errors: kGeometry for a rim in CloseMode::kRepair, or no boundary to build on in kBase; kCancelled.
 Expected<void> closeBoundary(Chain& chain, const CloseOptions& options, CloseReport& report, const Progress& progress);
 
-/// The occlusal plane of a scan whose underside is missing, as its base would follow it. Errors: as
-/// findOcclusalPlane(); kGeometry for a chain without boundary.
+/// The occlusal plane for the base of a scan without underside. Errors: as findOcclusalPlane(); kGeometry for a chain
+/// without boundary.
 Expected<OcclusalPlane> findPlaneOfScan(const Chain& chain, const CloseOptions& options);
 
 }  // namespace kerf::internal

@@ -71,8 +71,8 @@ void dropRepeated(Chain& chain, CloseReport& report) {
   keepOnly(chain, keep);
 }
 
-/// Refuses what has no surface anywhere near: an edge that very many triangles share. All that follows would take its
-/// square in time, to no use. Copies of one triangle count once: they are dropped.
+/// Rejects an edge shared by very many triangles: no surface has one, and the later steps would take the square of
+/// their number in time. Copies of one triangle count once, as a later step drops them.
 Expected<void> refuseHeaps(const Mesh& mesh) {
   constexpr std::size_t kMostAround = 40;  // scans have 5 at most, labels cut to blocks 4
   std::size_t most = 0;
@@ -210,7 +210,7 @@ bool hasBoundary(const Chain& chain) {
 }
 
 Expected<Chain> buildChain(const Mesh& imported, const CloseOptions& options, CloseReport& report) {
-  // A step that is not wanted must not be needed: what it would have to do is the error.
+  // If the mesh needs an excluded step, the error names the work of that step.
   const auto wanted = [&](CloseStep step) { return options.only.empty() || options.only.count(step) > 0; };
   const auto needed = [&](std::string found, CloseStep step) {
     return fail(missingStep(std::move(found), step, options));

@@ -1,5 +1,5 @@
-// The working mesh of closeMesh(): triangles as a 2-chain, and its boundary. A closed chain (every directed edge met by
-// its opposite as often) is all that the winding number needs; it need not be a manifold.
+// The working mesh of closeMesh(): triangles as a 2-chain, and its boundary. The winding number needs only a closed
+// chain (every directed edge met by its opposite as often), no manifold.
 #pragma once
 
 #include <array>
@@ -30,19 +30,19 @@ struct Chain {
   void addTriangle(std::uint32_t a, std::uint32_t b, std::uint32_t c);
 };
 
-/// What closing adds to a coloured mesh: light model stone.
+/// Colour of the surface that closing adds to a coloured mesh: light model stone.
 inline constexpr Rgba8 kNeutral = {214, 205, 189, 255};
 
-/// Where a vertex counts as being: two that are at one place are welded. Near zero float32 tells apart what lies 1e-45
-/// mm apart: the pole of a sphere whose points are R sin(pi), 1e-16, is 24 of them, and a hole to everything that
-/// follows. What is less than a hundredth of an atom is nothing.
+/// Place of a vertex; closing welds vertices at one place. Near zero float32 distinguishes points 1e-45 mm apart. For
+/// example, the pole of a sphere with points R sin(pi), 1e-16, is 24 vertices, a hole for every later step. So a
+/// coordinate below a hundredth of an atom becomes zero.
 Vec3d weldPlace(const Vec3d& p);
 
 /// True if some edge is not met by its opposite as often.
 bool hasBoundary(const Chain& chain);
 
 /// Rounds, welds, drops triangles that repeat a vertex and duplicates, stitches, orients, drops open crumbs.
-/// Everything is entered in the report. Errors: kGeometry if a step is needed that CloseOptions::only leaves out.
+/// Enters everything in the report. Errors: kGeometry if a step is needed that CloseOptions::only leaves out.
 Expected<Chain> buildChain(const Mesh& imported, const CloseOptions& options, CloseReport& report);
 
 /// Keeps the triangles with keep[t] != 0.

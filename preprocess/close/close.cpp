@@ -29,7 +29,7 @@ using internal::counted;
 using internal::handlesOf;
 using internal::lostPlaces;
 
-constexpr std::size_t kMostCrossings = 500'000;  ///< more than that is a heap of triangles, and would take minutes
+constexpr std::size_t kMostCrossings = 500'000;  ///< a mesh with more is no surface, and would take minutes
 constexpr double kSeparation = 4e-4;  ///< mm: how far touching parts are moved apart; 100 float32 steps at 60 mm
 
 Error makeError(Error::Code code, std::string found, std::string expected = {}, std::string hint = {}) {
@@ -41,8 +41,8 @@ Error makeError(Error::Code code, std::string found, std::string expected = {}, 
   return e;
 }
 
-/// The fixed lengths are made for dental objects, 3 mm across and more. On a smaller one (most often a wrong unit) they
-/// shrink with it: a base or a seam larger than the object would bury it.
+/// The fixed lengths suit dental objects, 3 mm across and more. On a smaller one (most often a wrong unit) they shrink
+/// with it, since a base or a seam larger than the object would bury it.
 double lengthScale(const Mesh& mesh) {
   constexpr double kSmallestDental = 3;
   const double scale = bounds(mesh).size().norm() / kSmallestDental;
@@ -117,16 +117,16 @@ bool isWhole(const Mesh& imported, const Result& r, std::size_t t) {
   return r.source[t] != kAdded && corners(r.mesh, t) == corners(imported, r.source[t]);
 }
 
-/// Of each triangle: whether it is one of the source's, whole.
+/// Per triangle: true for a whole triangle of the source.
 std::vector<char> wholeOnes(const Mesh& imported, const Result& r) {
   std::vector<char> out;
   for (std::size_t t = 0; t < r.mesh.triangles.size(); ++t) out.push_back(isWhole(imported, r, t));
   return out;
 }
 
-/// Drops the splinters and pockets that cutting left beside the solid: small pieces with a triangle that is not the
-/// source's.
-/// @param is_whole  wholeOnes(), before what touches was moved apart: that cuts nothing, what it halves comes last.
+/// Drops splinters and pockets left by cutting: small pieces with a triangle that is not whole in the source.
+/// @param is_whole  wholeOnes(), before the separation of touching parts, which cuts nothing; triangles it halves come
+/// last.
 void dropDebris(Result& r, const std::vector<char>& is_whole, const CloseOptions& options, CloseReport& report) {
   const Pieces pieces = edgeConnectedPieces(r.mesh);
   if (pieces.count < 2) return;
@@ -218,7 +218,7 @@ void dropMadeCrumbs(const Mesh& imported, const CloseOptions& options, Result& r
                                              crumbs.count, crumbs.volume_mm3));
 }
 
-/// Makes the surface a 2-manifold by moving apart what only touches. `fixed` follows the vertices.
+/// Makes the surface a 2-manifold by separating parts that only touch. `fixed` follows the vertices.
 void separateParts(const Mesh& imported, const Chain& chain, std::vector<Vec3d>& normals, Result& r,
                    std::vector<char>& fixed, CloseReport& report) {
   const double separation = kSeparation * lengthScale(imported);
@@ -266,7 +266,7 @@ Expected<void> roundNewVertices(Result& r, std::vector<char>& fixed, const Close
   std::vector<Vec3d> freed;
   for (int round = 0; round < 3 && last.crossings_left; ++round) {
     if (!kerf::report(progress, 0.85 + 0.05 * round, "rounding again")) return cancelled();
-    // Only fixed vertices are left to move: the few around the remaining crossings are let go.
+    // Only fixed vertices remain: frees the few around the remaining crossings.
     const std::vector<Vec3d> more = freeAroundCrossings(r.mesh, fixed);
     freed.insert(freed.end(), more.begin(), more.end());
     KERF_TRY(again, cleanUpForFloat32(r.mesh, fixed, &r.source, options.cleanup_length_mm));
@@ -344,7 +344,7 @@ Expected<Result> wrap(const Chain& chain, const CloseOptions& options, CloseRepo
   return r;
 }
 
-/// Counts what became of the source triangles.
+/// Counts kept, split and dropped source triangles.
 void countTriangles(const Mesh& imported, const Result& r, CloseReport& report) {
   enum : char { kGone, kPart, kWhole };
   std::vector<char> state(imported.triangles.size(), kGone);
@@ -404,7 +404,7 @@ Box3 boxOfTriangles(const Mesh& mesh) {
   return box;
 }
 
-/// Before any step: what is far too large has a wrong unit.
+/// Runs before any step: a mesh that is far too large has a wrong unit.
 Expected<void> checkObjectSize(const Mesh& mesh) {
   const double across = boxOfTriangles(mesh).size().norm();
   if (across <= kLargestObject) return {};
@@ -454,7 +454,7 @@ void addPlug(Chain& chain, const Mesh& plug) {
 }
 
 /// The exact way: a closed chain, its pieces turned outwards, to a verified solid.
-/// @param nested  as turnPieces() says.
+/// @param nested  result of turnPieces().
 Expected<Result> makeExact(const Mesh& imported, Chain& chain, bool nested, const CloseOptions& options,
                            CloseReport& report, const Progress& progress) {
   const auto pairs = crossingPairs(chain.mesh, kMostCrossings);
@@ -493,8 +493,8 @@ Expected<Result> makeWrap(const Chain& chain, const CloseOptions& options, Close
   return std::move(wrapped);
 }
 
-/// Plugs the pinholes that a base made, and cuts the threads. A plug stays if the solid has a hole less for it, and
-/// lacks no more of the scan. Each is united with the solid as it is: only the few triangles around it cross.
+/// Plugs the pinholes caused by a base, and cuts the threads. A plug stays if the solid then has one hole less, and
+/// loses no more of the scan. Unites each plug with the current solid: only the few triangles around it cross.
 /// @param handles  of the scan.
 void plugPinholes(const Mesh& imported, const CloseOptions& options, int handles, Result& result, CloseReport& report,
                   const Progress& progress) {
@@ -544,7 +544,7 @@ void plugPinholes(const Mesh& imported, const CloseOptions& options, int handles
                            (first - now == 1 ? " that the base made was mended" : " that the base made were mended"));
 }
 
-/// One attempt from the imported mesh, without a second choice. `chain` is left closed, or, where that failed, open.
+/// One attempt from the imported mesh, without a fallback. Leaves `chain` closed, or open after a failure.
 Expected<Result> attempt(const Mesh& imported, const CloseOptions& options, Chain& chain, CloseReport& report,
                          const Progress& progress) {
   KERF_TRY(built, internal::buildChain(imported, options, report));
@@ -575,7 +575,7 @@ Expected<Result> attempt(const Mesh& imported, const CloseOptions& options, Chai
   return r;
 }
 
-/// As attempt(); where smooth walls can not be resolved, with another lip, then with straight walls. `chain` is that of
+/// As attempt(); if smooth walls can not be resolved, with another lip, then with straight walls. `chain` is that of
 /// the attempt that succeeded, or else of the first.
 Expected<Result> attemptBases(const Mesh& imported, const CloseOptions& options, Chain& chain, CloseReport& report,
                               const Progress& progress) {
@@ -611,18 +611,18 @@ Expected<Result> attemptBases(const Mesh& imported, const CloseOptions& options,
   return first;
 }
 
-constexpr std::array<double, 2> kWiderStitches = {0.05, 0.2};  // mm: what kAuto tries before it wraps
+constexpr std::array<double, 2> kWiderStitches = {0.05, 0.2};  // mm: widths tried by kAuto before it wraps
 
 /// As attempt(); kAuto then stitches wider, and wraps at last.
-/// @param chain  set to what the solid was made of, or what was wrapped.
+/// @param chain  out: the source chain of the solid or of the wrap.
 Expected<Result> makeSolid(const Mesh& imported, const CloseOptions& options, Chain& chain, CloseReport& report,
                            const Progress& progress) {
   Expected<Result> first = attemptBases(imported, options, chain, report, progress);
   const bool may_wrap = options.only.empty() && (options.mode == CloseMode::kAuto || options.mode == CloseMode::kWrap);
   if (first || !may_wrap || first.error().code == Error::Code::kCancelled || first.error().code == Error::Code::kEmpty)
     return first;
-  if (chain.mesh.triangles.empty()) return first;  // not even that much could be made of it
-  // A base that was asked for explicitly is not silently left out.
+  if (chain.mesh.triangles.empty()) return first;  // no chain to wrap
+  // The report notes a requested base that is left out.
   const bool base_asked =
       options.base_height_mm || options.find_occlusal_plane || options.occlusal_plane || options.base_direction;
   if (base_asked && internal::hasBoundary(chain)) return first;
@@ -712,7 +712,7 @@ std::string canonicalText(const CloseOptions& o) {
   const auto vector = [](const std::optional<Vec3d>& v) {
     return v ? fmt::format("({} {} {})", v->x(), v->y(), v->z()) : std::string("-");
   };
-  // What is left out by default stays out of the text: it names the cases that are there already.
+  // Options off by default stay out of the text, because the ids of existing cases derive from it.
   std::string more;
   if (o.trim_rim_mm > 0) more += fmt::format(" trim {}", o.trim_rim_mm);
   if (o.drop_specks_mm3 > 0) more += fmt::format(" specks {}", o.drop_specks_mm3);

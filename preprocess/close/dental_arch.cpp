@@ -14,8 +14,8 @@ constexpr double kBelow = 4, kAbove = 2;  // mm of the plane
 constexpr double kFacing = 0.3;           // cosine of the angle to the normal
 constexpr double kLeastGap = 60;          // degrees: the back of an arch
 constexpr double kLeastReach = 50;        // degrees to either side of the midline
-constexpr double kMostReach = 80;         // beyond it half a tooth is seen: the curve would turn round its back
-constexpr double kLeastDepth = 0.45;      // of the width: a quadrant is a flat arch about an axis of its own
+constexpr double kMostReach = 80;         // beyond it only half a tooth is visible: the curve would turn round its back
+constexpr double kLeastDepth = 0.45;      // of the width: a quadrant is a flat arch about another axis
 constexpr double kMostScatter = 5;        // mm rms about the curve
 constexpr double kLeastRadius = 8;        // mm
 constexpr double kMostInside = 0.1;       // of the area, nearer than half the radius
@@ -84,8 +84,8 @@ struct Axis {
   Vec2 right() const { return {front.y(), -front.x()}; }
 };
 
-/// How much of the row, mm^2, lies on its mirror image. The picture of the row has cells of 1 mm, and is blurred by as
-/// much: real teeth are no mirror images to the millimetre.
+/// Overlap of the row with its mirror image, mm^2. The picture of the row has cells of 1 mm, and is blurred by as much:
+/// real teeth are no mirror images to the millimetre.
 class Mirror {
  public:
   Mirror(const std::vector<Bit>& row, const Vec2& middle) : middle_(middle) {

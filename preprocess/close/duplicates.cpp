@@ -40,8 +40,8 @@ std::vector<Key> sortedKeys(const std::vector<Triangle>& triangles) {
   return keys;
 }
 
-// Takes opposite copies out in pairs. Returns how many triangles that are.
-// @param copies  out: what is left of groups of equal triangles, all but the first of each.
+// Removes opposite copies in pairs. Returns the number of removed triangles.
+// @param copies  out: remaining members of groups of equal triangles, except the first of each.
 std::size_t cancelOpposites(const std::vector<Key>& keys, std::vector<char>& keep, std::vector<std::uint32_t>& copies) {
   std::size_t cancelled = 0;
   for (std::size_t i = 0, j = 0; i < keys.size(); i = j) {
@@ -120,9 +120,9 @@ bool isClosed(const std::vector<Triangle>& triangles) {
   return std::all_of(edges.begin(), edges.end(), [](const EdgeCount& e) { return e.forth == e.back; });
 }
 
-// Of triangles that hang together: how many copies of each are too many, as their surface is closed and there several
-// times. What is there more often than the rest may be a surface of its own, such as a solid that shares a wall with
-// another: it stays once beside what holds all of them.
+// Counts the excess copies of each triangle in a connected group whose closed surface is repeated. Triangles with more
+// copies than the rest may form another closed surface, such as a solid that shares a wall with another. That surface
+// stays once beside the surface of all triangles.
 void countRepeated(const std::vector<Triangle>& triangles, const std::vector<std::size_t>& count,
                    const std::vector<std::uint32_t>& of_piece, std::vector<std::size_t>& too_many) {
   std::vector<std::uint32_t> left = of_piece;

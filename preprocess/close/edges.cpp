@@ -65,7 +65,7 @@ std::vector<Loop> boundaryLoops(const std::vector<Triangle>& triangles) {
   }
   std::sort(missing.begin(), missing.end());
 
-  // Of the edges that leave a vertex the first that is left is taken: `next` is where the search for it begins.
+  // Takes the first unused edge that leaves a vertex: the search begins at `next`.
   std::vector<char> used(missing.size(), 0);
   std::map<std::uint32_t, std::size_t> next;
   for (std::size_t i = missing.size(); i-- > 0;) next[missing[i].first] = i;

@@ -1,4 +1,4 @@
-// Edges of triangles as a 2-chain: who uses them, which way round, and where the boundary runs.
+// Edges of triangles as a 2-chain: their users, orientation, and boundary.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace kerf::internal {
 
-/// One side of a triangle: the undirected edge a < b, and whether the triangle runs from a to b.
+/// One side of a triangle: the undirected edge a < b, and true if the triangle runs from a to b.
 struct EdgeUse {
   std::uint32_t a, b, triangle;
   bool forth;

@@ -41,7 +41,7 @@ std::vector<Triangle> weldedTriangles(const Mesh& mesh, std::size_t& used) {
   return out;
 }
 
-// What else to try. A wrap is the last of the ways to close: it fills what it can not get into, such as cavities.
+// Other remedies. A wrap is the last resort, because it fills spaces out of its reach, such as cavities.
 std::string otherWays(const CloseReport& report) {
   return report.exact ? "--close repair, --close wrap, or mend the mesh in another program"
                       : "--close repair, or mend the mesh in another program: a wrap fills cavities and what it can "
@@ -55,7 +55,7 @@ Error refusalOf(std::string found, std::string expected, const CloseReport& repo
           .hint = otherWays(report) + "; --accept-doubtful takes the solid as it is"};
 }
 
-// What a solid's volume is to be compared with, mm3.
+// Reference for the volume of a solid, mm3.
 struct Expectation {
   double volume = 0;
   const char* of = nullptr;  // null: nothing
@@ -67,8 +67,8 @@ Expectation expectationOf(const Mesh& mesh, bool is_hardly_open, const CloseRepo
   return {};
 }
 
-/// A wrap lies around whatever it is given: around a sheet, or a heap of copies of one triangle, it is a skin of twice
-/// the offset, closed and of some volume.
+/// A wrap encloses any input: around a sheet, or copies of one triangle, it is a closed skin of twice the offset, with
+/// some volume.
 void judgeSkin(const Mesh& solid, const CloseReport& report, Judgement& out) {
   if (report.exact || !(report.wrap_offset_mm > 0)) return;
   const double volume = std::abs(signedVolume(solid)), area = surfaceArea(solid);
@@ -109,7 +109,7 @@ std::string extentSentence(const Mesh& solid, const CloseReport& report, const C
   return text;
 }
 
-/// Where the volume is wrong the extent tells why; alone it is a warning of its own.
+/// With a wrong volume the extent gives the reason; alone it is a separate warning.
 void judgeExtent(const Mesh& solid, const CloseReport& report, const Chain& closed, Judgement& out) {
   const std::string extent = extentSentence(solid, report, closed);
   if (extent.empty()) return;
@@ -163,8 +163,8 @@ void judgeVolume(const Mesh& mesh, const Mesh& solid, const Expectation& expecte
         report);
 }
 
-/// How many of the lost vertices lie inside the solid: a union swallows them, which is no loss. Where a whole piece
-/// lies inside and is gone, it is one: the wall of a hollow that faces the wrong way looks like that.
+/// Number of lost vertices inside the solid: a union swallows them, which is no loss. Exception: a whole missing piece
+/// inside is a loss, such as the wall of a hollow that faces the wrong way.
 std::size_t swallowedBy(const Mesh& solid, const Mesh& mesh) {
   const RayWinding rays(solid);
   const std::vector<Vec3d> lost = lostPlaces(mesh, solid);

@@ -42,7 +42,7 @@ std::vector<Triangle> triangulate(const Chain& chain, const Loop& loop) {
   if (!forward)
     for (Triangle& t : out) std::swap(t[1], t[2]);
 
-  // Trust nothing: the boundary must be the loop.
+  // Check the result: the boundary must be the loop.
   std::vector<Triangle> closed = out;
   for (std::size_t i = 1; i + 1 < loop.size(); ++i) closed.push_back({loop[0], loop[i + 1], loop[i]});
   for (const EdgeCount& e : countEdges(closed))

@@ -52,7 +52,7 @@ std::vector<std::uint32_t> patchLabels(const std::vector<Triangle>& triangles, s
   return label;
 }
 
-/// Where the winding number of each patch is asked for.
+/// Sample points for the winding number of each patch.
 struct Probes {
   std::vector<std::uint32_t> fattest;  ///< the triangle: its incentre is farthest from everything else
   std::vector<double> fatness;         ///< mm, the radius of its incircle
@@ -103,7 +103,7 @@ Expected<Kept> keepWindingBoundary(const Mesh& chain, const Arrangement& arrange
   kept.patches = count;
   const Probes probes = probesOf(arrangement, label, count);
 
-  // Solid angles of all triangles tell an open surface too, but sponges have thousands of patches.
+  // Solid angles of all triangles also detect an open surface, but sponges have thousands of patches.
   constexpr double kMostAngles = 1e8;  // some seconds
   std::optional<RayWinding> rays;
   if (static_cast<double>(count) * static_cast<double>(chain.triangles.size()) > kMostAngles) rays.emplace(chain);

@@ -105,7 +105,7 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> groupsInShells(const Mesh& 
   return out;
 }
 
-/// Whether all of a group lies outside of the solid, asked at some of its triangles.
+/// Tests at some triangles whether a whole group lies outside the solid.
 class Outside {
  public:
   Outside(const Mesh& scan, const Groups& groups, const Mesh& solid) : scan_(scan), groups_(groups), rays_(solid) {}
@@ -180,7 +180,7 @@ PieceChanges comparePieces(const Chain& closed, const Mesh& solid) {
   out.pieces = countLarge(groups);
   if (out.pieces < 2) return out;
 
-  // What is there, and together with what.
+  // Groups with a shell in the solid, and groups that share a shell.
   const auto in_shells = groupsInShells(scan, groups, solid);
   std::vector<char> is_there(groups.count(), 0);
   double smallest = std::numeric_limits<double>::infinity();
@@ -194,7 +194,7 @@ PieceChanges comparePieces(const Chain& closed, const Mesh& solid) {
   }
   if (std::count(is_there.begin(), is_there.end(), 0) == 0) return out;
 
-  // What is not there may lie inside, as shells in each other do.
+  // A group without a shell may lie inside the solid, like nested shells.
   const Outside outside(scan, groups, solid);
   double largest = 0;
   for (std::uint32_t n = 0; n < groups.count(); ++n) {

@@ -18,7 +18,7 @@ struct Shell {
   bool is_empty = true;
 };
 
-/// Volumes are summed about a corner of each piece: about the middle of the solid a crumb would lose its digits.
+/// Sums volumes about a corner of each piece: about the middle of the solid a crumb would lose its digits.
 std::vector<Shell> shellsOf(const Mesh& solid, const Pieces& pieces) {
   std::vector<Shell> out(pieces.count);
   for (std::size_t t = 0; t < solid.triangles.size(); ++t) {
@@ -66,7 +66,7 @@ void spareOwnPieces(const Mesh& imported, const Pieces& pieces, std::span<const 
   }
 }
 
-/// Takes the mark from pieces around one that stays: without its shell that would lie in the wrong material.
+/// Unmarks pieces around one that stays: without its shell that piece would lie in the wrong material.
 void spareShellsAroundOthers(const std::vector<Shell>& shells, std::vector<char>& goes) {
   std::vector<Box3> boxes;
   for (const Shell& shell : shells) boxes.push_back(shell.box);

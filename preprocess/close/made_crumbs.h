@@ -1,4 +1,4 @@
-// Crumbs that closing made: closed pieces of a solid far smaller than a voxel that the scan does not hold.
+// Crumbs made by closing: closed pieces of a solid, far smaller than a voxel and absent from the scan.
 #pragma once
 
 #include <cstdint>
@@ -12,12 +12,12 @@ namespace kerf::internal {
 struct MadeCrumbs {
   std::vector<char> keep;  ///< per triangle of the solid; empty if there is no crumb
   std::size_t count = 0;
-  double volume_mm3 = 0;  ///< of all crumbs
+  double volume_mm3 = 0;  ///< volume of all crumbs
 };
 
-/// Finds the pieces below `most_mm3`, cavities too, that closing added, cut off or separated.
-/// Exceptions: a piece of the scan's own, of which the solid has half the triangles or more; the largest piece; a piece
-/// around one that stays.
+/// Finds pieces and cavities below `most_mm3` that closing added, cut off or separated.
+/// Exceptions: a piece of the scan with at least half its triangles in the solid; the largest piece; a piece around one
+/// that stays.
 /// @param imported  the scan, mm; may be unwelded.
 /// @param solid     closed, 2-manifold, mm.   @param source  per triangle of the solid: triangle of the scan or kAdded.
 /// @cost  O(n) without a piece that small. Otherwise that of welding the scan and sorting its edges, and

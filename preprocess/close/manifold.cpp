@@ -104,7 +104,7 @@ class Corners {
     });
   }
   std::uint32_t count() const { return static_cast<std::uint32_t>(parent_.size()); }
-  /// The corner that stands for all of a fan.
+  /// The corner that represents a fan.
   std::uint32_t root(std::uint32_t i) {
     while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
     return i;

@@ -12,8 +12,9 @@ struct SplitReport {
 
 /// Makes an embedded boundary (every edge balanced, outward) a 2-manifold. At an edge with four or more triangles those
 /// that bound the same wedge of material belong together; a vertex gets one copy per fan. The largest fan keeps the
-/// vertex, the copies move into their material by `distance`, because files know positions only. Edges of which neither
-/// end can be split get a vertex in the middle. Triangle order is kept, triangles made at such a middle come last.
+/// vertex, the copies move into their material by `distance`, because files know positions only. If neither end of an
+/// edge can be split, the edge gets a vertex in the middle. Keeps the triangle order; triangles made at such a middle
+/// come last.
 /// @param normals_of  per triangle an exact-enough normal (of the triangle it was cut from). Follows the triangles.
 /// @param tags        per triangle labels that follow the triangles.
 SplitReport splitNonManifold(Mesh& mesh, std::vector<Vec3d>& normals_of, std::vector<std::uint32_t>& tags,

@@ -1,4 +1,4 @@
-// Which closed pieces of a mesh lie in which: solids, voids in them, solids in the voids.
+// Nesting of the closed pieces of a mesh: solids, voids in them, solids in the voids.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +14,8 @@ struct NestingLevel {
   bool is_void = false;
 };
 
-/// Signed volume of one piece decides what it is: a piece of a crossing-free solid is a void exactly if it is negative.
-/// Outermost first. @cost O(n log n) unless very many boxes lie in each other.
+/// Outermost first. A piece of a crossing-free solid is a void exactly if its signed volume is negative. @cost O(n log
+/// n) unless very many boxes lie in each other.
 /// @pre mesh closed, oriented, free of self-intersections.
 std::vector<NestingLevel> nestingLevels(const Mesh& mesh);
 

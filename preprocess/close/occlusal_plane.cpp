@@ -171,8 +171,8 @@ Expected<OcclusalPlane> settle(const Mesh& mesh, const Vec3d& from, const Vec3d&
 }  // namespace
 
 Expected<OcclusalPlane> findOcclusalPlane(const Mesh& mesh_mm, const Vec3d& up) {
-  // The rim of a scan tells its underside within about 40 degrees only: the axis next to it and the direction in which
-  // the arch is flattest are often better places to start from.
+  // The rim of a scan gives its underside only within about 40 degrees: the nearest axis and the direction in which the
+  // arch is flattest are often better starts.
   const Vec3d open = up.normalized();
   int axis = 0;
   open.cwiseAbs().maxCoeff(&axis);

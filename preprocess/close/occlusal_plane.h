@@ -12,7 +12,7 @@ struct OcclusalPlane {
   Vec3d normal = Vec3d::UnitZ();  ///< unit, out of the teeth
   Vec3d point = Vec3d::Zero();    ///< mm, on the plane
   std::size_t tips = 0;           ///< cusp tips and incisal edges it is fitted to
-  double rms_mm = 0;              ///< of their distances from it
+  double rms_mm = 0;              ///< RMS distance of these tips from the plane
 };
 
 /// Finds the plane through the cusp tips: local maxima of the height (nothing higher within 2 to 4 mm) are candidates;

@@ -39,7 +39,7 @@ std::size_t keepOneOfEach(const std::vector<Triangle>& triangles, std::vector<ch
   return dropped;
 }
 
-// Length of the edges that are not met by their opposites as often, each as often as it is too much, mm.
+// Length of the edges not met by their opposites as often, each times its excess, mm.
 double boundaryLength(const Mesh& mesh, const std::vector<Triangle>& triangles) {
   double sum = 0;
   for (const EdgeCount& e : countEdges(triangles)) sum += std::abs(e.forth - e.back) * lengthOf(mesh, e.a, e.b);
@@ -50,7 +50,7 @@ double boundaryLength(const Mesh& mesh, const std::vector<Triangle>& triangles) 
 struct Sheets {
   Pieces pieces;
   std::vector<double> area;    // mm2
-  std::vector<char> has_open;  // an edge that nothing else uses
+  std::vector<char> has_open;  // it has an edge without another user
   struct BorderEdge {
     std::size_t edge;
     int sign;  // how often the sheet runs forth along it, less how often back
@@ -153,7 +153,7 @@ void dropSheets(Chain& chain, CloseReport& report) {
 
   std::size_t sheets = 0, triangles = chain.mesh.triangles.size();
   double area = 0;
-  constexpr int kMostRounds = 8;  // a sheet on a sheet goes in the round after
+  constexpr int kMostRounds = 8;  // a sheet on a sheet goes in the next round
   for (int round = 0; round < kMostRounds; ++round) {
     keep.assign(chain.mesh.triangles.size(), 1);
     const std::size_t dropped = dropRound(chain.mesh, keep);

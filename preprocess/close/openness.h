@@ -1,4 +1,4 @@
-// Whether a mesh is open, judged by its own triangles before any are dropped; and sheets that make it look so.
+// Tests whether a mesh is open, by its own triangles before any drop; and drops sheets that make it look open.
 #pragma once
 
 #include <vector>
@@ -15,8 +15,8 @@ inline constexpr double kHardlyOpen = 0.2;
 double openLength(const Mesh& mesh, const std::vector<Triangle>& triangles);
 
 /// Drops triangles without which the chain has less boundary: repeated ones, and sheets whose every border edge is
-/// shared by three triangles or more. Of two sheets that would do equally the smaller one goes. Nothing that has an
-/// open edge is dropped. Entered in the report.   @cost  that of sorting the edges, a few times.
+/// shared by three triangles or more. Drops the smaller of two equally suitable sheets, and no sheet with an open edge.
+/// Entered in the report.   @cost  that of sorting the edges, a few times.
 void dropSheets(Chain& chain, CloseReport& report);
 
 }  // namespace kerf::internal

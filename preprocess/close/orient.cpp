@@ -20,7 +20,7 @@ void flip(Triangle& f) { std::swap(f[1], f[2]); }
 // Neighbours across two-sided edges.
 struct Neighbours {
   std::vector<std::array<std::uint32_t, 3>> next;  // per triangle: up to three, then kNoTriangle
-  std::vector<std::array<char, 3>> differs;        // whether that one faces the other way
+  std::vector<std::array<char, 3>> differs;        // true if that one faces the other way
 };
 
 bool joins(std::span<const EdgeUse> uses) { return uses.size() == 2 && uses[0].triangle != uses[1].triangle; }
@@ -97,7 +97,7 @@ PieceSizes sizesOf(const Mesh& mesh, const Pieces& pieces) {
   return out;
 }
 
-// Whether the box of some piece lies in that of another.
+// True if the box of some piece lies in that of another.
 bool areNested(const BoxTree& boxes) {
   for (std::uint32_t l = 0; l < boxes.boxes().size(); ++l) {
     const Box3& inner = boxes.boxes()[l];
@@ -108,8 +108,8 @@ bool areNested(const BoxTree& boxes) {
   return false;
 }
 
-// Pieces that meet along an edge are told apart by their places in the file, where each of them runs once forth and
-// once back along it; elsewhere what shares an edge is one.
+// Separates pieces that meet along an edge by file order, if each piece runs once forth and once back along the edge.
+// Otherwise triangles that share an edge are one piece.
 Pieces bodiesOf(std::size_t triangles, const std::vector<EdgeUse>& uses) {
   return joinedPieces(triangles, uses, [](std::span<const EdgeUse> edge, const auto& join) {
     bool are_pairs = edge.size() % 2 == 0;
@@ -125,8 +125,8 @@ class Bodies {
   Bodies(const Mesh& mesh, const Pieces& pieces, const PieceSizes& sizes, const BoxTree& boxes)
       : mesh_(mesh), pieces_(pieces), volume_(sizes.volume), boxes_(boxes), sign_(pieces.count, 1) {}
 
-  // Per piece: whether it must be turned. Outwards, unless it lies inside others without crossing them: then it bounds
-  // a cavity of the nearest one if it faces the other way than that one does in the file.
+  // Per piece: true to turn it. Pieces face outwards, except a piece inside others without crossing them: it bounds a
+  // cavity of the nearest one if the two face opposite ways in the file.
   std::vector<char> turns() {
     std::vector<std::uint32_t> order(pieces_.count);
     std::iota(order.begin(), order.end(), 0u);
@@ -156,7 +156,7 @@ class Bodies {
                    return true;
                  });
     if (!is_asked) return 1;
-    if (is_in_open) return volume_[l] < 0 ? -1 : 1;  // as it is, until that is closed: it may be a cavity of it
+    if (is_in_open) return volume_[l] < 0 ? -1 : 1;  // unchanged until the outer piece is closed: it may be its cavity
 
     std::erase_if(around, [&](std::uint32_t o) { return !liesInside(l, o); });
     int winding = 0;
@@ -167,7 +167,7 @@ class Bodies {
     return (volume_[l] < 0) == (volume_[nearest] < 0) ? sign_[nearest] : -sign_[nearest];
   }
 
-  // Whether no part of piece `l` lies outside of piece `o`: asked at corners and middles of its triangles.
+  // True if no part of piece `l` lies outside piece `o`, tested at corners and middles of its triangles.
   bool liesInside(std::uint32_t l, std::uint32_t o) {
     if (!rays_) sortTriangles();
     bool is_inside = false;
@@ -196,7 +196,7 @@ class Bodies {
   const Pieces& pieces_;
   const std::vector<double>& volume_;
   const BoxTree& boxes_;
-  std::vector<int> sign_;  // as they belong
+  std::vector<int> sign_;  // correct orientations
   std::optional<RayWinding> rays_;
   std::vector<std::size_t> first_;
   std::vector<std::uint32_t> sorted_;  // triangles of piece l: sorted_[first_[l] .. first_[l + 1])
@@ -244,7 +244,7 @@ bool turnPieces(Chain& chain, CloseReport& report) {
   const std::vector<EdgeUse> uses = edgeUses(mesh.triangles);
   const Pieces pieces = bodiesOf(mesh.triangles.size(), uses);
   PieceSizes sizes = sizesOf(mesh, pieces);
-  forEachEdge(uses, [&](std::span<const EdgeUse> edge) {  // what is open has no volume
+  forEachEdge(uses, [&](std::span<const EdgeUse> edge) {  // an open piece has no volume
     const auto forth = std::count_if(edge.begin(), edge.end(), [](const EdgeUse& use) { return use.forth; });
     if (2 * static_cast<std::size_t>(forth) != edge.size()) sizes.volume[pieces.label[edge[0].triangle]] = 0;
   });

@@ -1,4 +1,4 @@
-// Which way round triangles and pieces face.
+// Orientation of triangles and pieces.
 #pragma once
 
 #include "preprocess/close/chain.h"
@@ -11,8 +11,7 @@ namespace kerf::internal {
 void orientTriangles(Chain& chain, CloseReport& report);
 
 /// Turns pieces that are inside out, each by its own volume, unless they lie inside another without crossing it: then
-/// they bound a cavity. In a piece that is turned, cavities turn with it. What is
-/// open stays. Entered in the report.
+/// they bound a cavity. Cavities turn with their piece. Open pieces stay. Entered in the report.
 /// @return true if the box of one piece lies in that of another: their winding numbers must be checked.
 bool turnPieces(Chain& chain, CloseReport& report);
 

@@ -25,7 +25,7 @@ class DisjointSets {
     while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
     return i;
   }
-  /// False if they were one already.
+  /// False if they were joined already.
   bool join(std::uint32_t a, std::uint32_t b) {
     a = find(a);
     b = find(b);
@@ -109,7 +109,7 @@ class Graph {
     return out;
   }
 
-  // A vertex of each of the edges that close the walks through `root`, however long they are.
+  // A vertex of each edge that closes a walk through `root`, of any length.
   std::vector<std::uint32_t> closingVertices(std::uint32_t root) const {
     std::vector<std::uint32_t> out;
     for (const ShortLoop& loop : loopsThrough(root, kInfinity)) out.push_back(loop.vertices.front());
@@ -152,8 +152,8 @@ struct RingPoint {
   Vec3d at, normal;
 };
 
-// A ring on the surface beside a loop, that crosses the edges which leave the loop's vertices on one side, and so none
-// of these vertices; from one of its points to the next it lies in one triangle.
+// A ring on the surface beside a loop. It crosses the edges that leave the loop's vertices on one side, and none of
+// these vertices. Between two of its points it lies in one triangle.
 std::vector<RingPoint> ringBeside(const Mesh& mesh, std::vector<std::uint32_t> loop, bool is_left, double aside) {
   if (!is_left) std::reverse(loop.begin(), loop.end());
   std::unordered_map<std::uint64_t, std::uint32_t> triangle_of;  // of the edge in its direction

@@ -1,4 +1,4 @@
-// Asks whether to go on, from loops that are too short to ask every time.
+// Polls for cancellation from loops with short rounds.
 #pragma once
 
 #include <string_view>
@@ -8,7 +8,7 @@
 
 namespace kerf::internal {
 
-/// One per step of a job. The fraction reported stays where it is: how far such loops have to go is not known.
+/// One per step of a job. The reported fraction does not move, because the length of such loops is unknown.
 class Poll {
  public:
   Poll(const Progress& progress, double fraction, std::string_view what)

@@ -43,11 +43,10 @@ constexpr double kLipStep = 0.25;
 struct WallCurve {
   double depth, wave, step;  ///< mm
 };
-// The wave of the lowest is what the caller asks for.
+// The caller gives the wave of the lowest one.
 constexpr std::array<WallCurve, 3> kCurves{{{0.5, 2, 0.25}, {1, 4, 0.5}, {2, 0, 0.5}}};
 
-/// Outward conormals of the edges of a rim: in the plane of the rim triangle, square to the edge; zero where there is
-/// none.
+/// Outward conormals of the edges of a rim: in the plane of the rim triangle, square to the edge; zero if undefined.
 std::vector<std::vector<Vec3d>> conormals(const Mesh& mesh, const std::vector<Loop>& rims) {
   std::unordered_map<std::uint64_t, std::array<std::size_t, 2>> edge_of;
   std::vector<std::vector<Vec3d>> out;
@@ -167,8 +166,8 @@ Loop pathAlong(const Loop& rim, const Bridge& b) {
   return out;
 }
 
-/// Fills the loop. Where that lays the back of a triangle against a triangle of the scan the two would cancel, and a
-/// tip of the rim be lost: the back becomes a flat pyramid below it.
+/// Fills the loop. A triangle back to back with one of the scan would cancel it, and lose a tip of the rim: it becomes
+/// a flat pyramid below.
 void fillWithoutFolds(Chain& chain, const std::set<Triangle>& teeth, const Loop& loop, double height_mm) {
   const std::size_t before = chain.mesh.triangles.size();
   fillHole(chain, loop);
@@ -185,7 +184,7 @@ void fillWithoutFolds(Chain& chain, const std::set<Triangle>& teeth, const Loop&
   }
 }
 
-/// What the triangles from `first` on, which fill the loop, add to the scan. `spans` gets those above `wide_mm`.
+/// The bridge made of the triangles from `first` on, which fill the loop. `spans` gets those above `wide_mm`.
 BridgedPlace placeOf(const Mesh& mesh, std::size_t first, const Loop& loop, double wide_mm,
                      std::vector<WideSpan>& spans) {
   std::unordered_map<std::uint32_t, std::size_t> number;
@@ -336,7 +335,7 @@ Samples sampleRim(const Mesh& mesh, const Loop& rim, const std::vector<double>& 
   return s;
 }
 
-/// Builds what is below one rim.
+/// Builds the walls below one rim.
 class WallBuilder {
  public:
   WallBuilder(Chain& chain, Places& places, const BaseFrame& frame, const SmoothWalls& walls, double lowest)
@@ -355,7 +354,7 @@ class WallBuilder {
     parameter_ = samples.parameter;
     if (walls_.lip_mm > 0) upper = addLip(samples, upper);
 
-    // Where the curves are looked for, and how deep the rim lies there.
+    // The rim in the plane of the base, and its height.
     plan_ = ClosedCurve(top_.rows(), 2);
     above_ = VectorXd(top_.rows());
     for (Index i = 0; i < top_.rows(); ++i) {
@@ -434,7 +433,7 @@ class WallBuilder {
   double scale_;
   double wave_ = 0;     // mm: of the lowest curve
   double step_down_;    // mm: least distance between the curves where the rim comes near the level
-  ClosedCurve top_;     // what the curves follow: the lip, or the rim
+  ClosedCurve top_;     // guide of the curves: the lip, or the rim
   VectorXd parameter_;  // of its points
   ClosedCurve plan_;    // the same along u and v
   VectorXd above_;      // mm along w: the curve above, per point

@@ -73,7 +73,7 @@ ClosedCurve CyclicPentadiagonal::solve(const ClosedCurve& right) const {
 struct Stencil {
   Index before, at, after;
   double c_before, c_at, c_after;
-  double mass;  ///< mm of curve that the point stands for
+  double mass;  ///< length of curve per point, mm
 };
 
 Stencil stencilAt(const VectorXd& edges, Index i) {

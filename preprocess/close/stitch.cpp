@@ -49,8 +49,8 @@ std::vector<std::uint32_t> openVertices(const std::vector<OpenEdge>& edges) {
   return vertices;
 }
 
-/// The open vertices in a tree. A search costs what lies near its segment, however the vertices are spread and however
-/// long the open edges are.
+/// The open vertices in a tree. A search costs only the vertices near its segment, for any spread of the vertices and
+/// any length of open edges.
 class OpenPoints {
  public:
   OpenPoints(const Mesh& mesh, const std::vector<OpenEdge>& edges)
@@ -136,7 +136,7 @@ Expected<std::vector<Pair>> closePairs(const Mesh& mesh, const std::vector<OpenE
   return pairs;
 }
 
-/// Of the vertices in pairs: the corners of their triangles, sorted.
+/// Per vertex in pairs: the corners of its triangles, sorted.
 using SeamNeighbours = std::map<std::uint32_t, std::vector<std::uint32_t>>;
 
 SeamNeighbours neighboursOf(const Mesh& mesh, const std::vector<Pair>& pairs) {

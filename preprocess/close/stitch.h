@@ -11,7 +11,7 @@ namespace kerf::internal {
 /// as well. Inner vertices never move; a vertex on an edge stays where it is, the split triangle gives way. Entered in
 /// the report with the largest move. @pre no triangle repeats a vertex.
 /// Errors: kGeometry for a heap: millions of boundary vertices that lie on each other or on each other's edges; the
-/// chain is then not to be used.   @cost  O(n log n) in the boundary; 0.1 s for 40 000 edges.
+/// chain is then unusable.   @cost  O(n log n) in the boundary; 0.1 s for 40 000 edges.
 Expected<void> stitchSeams(Chain& chain, double tolerance, CloseReport& report);
 
 }  // namespace kerf::internal

@@ -73,7 +73,7 @@ class EdgeGraph {
   std::vector<double> lengths_;
 };
 
-// Distance from what lies deeper than `depth` below the rims; 0 in there.
+// Distance from the core, the surface deeper than `depth` inside the rims; 0 in the core.
 std::vector<double> distanceFromCore(const EdgeGraph& graph, const std::vector<double>& from_rim, double depth) {
   std::vector<double> out(from_rim.size(), kFar);
   for (std::uint32_t v = 0; v < from_rim.size(); ++v) {
@@ -111,7 +111,7 @@ void keepCorners(const Mesh& mesh, const Farthest& farthest, double least, std::
     if (reach[places.label[n]] <= least) keep[number[n]] = 1;
 }
 
-// Of each piece of the mesh as it was, the largest part of what is kept.
+// Keeps only the largest kept part of each original piece of the mesh.
 void keepLargestParts(const Mesh& mesh, std::vector<char>& keep) {
   const Pieces before = edgeConnectedPieces(mesh);
   std::vector<std::uint32_t> kept;

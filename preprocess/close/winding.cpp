@@ -57,7 +57,7 @@ RayWinding::RayWinding(const Mesh& mesh)
     for (int k = 0; k < 3; ++k) b.add(mesh_.corner(t, k));
     return std::pair(cellOf(b.min[1], b.min[2]), cellOf(b.max[1], b.max[2]));
   };
-  // Large triangles that lie behind each other would fill the memory: then the cells are made larger.
+  // Large triangles behind each other would fill the memory: then the cells become larger.
   const auto divide = [&] {
     const auto count = [&](double length) { return static_cast<std::size_t>(length / cell_) + 1; };
     ny_ = count(size[1]);

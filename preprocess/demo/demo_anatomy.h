@@ -1,5 +1,5 @@
 // Kerf's own demo anatomy: a tooth with its tissues, a mandible, a scan of an arch; implicit solids made from textbook
-// dimensions. No scan, no patient. For training and trying out; not a model of anybody.
+// dimensions. No scan, no patient. For training and tests.
 #pragma once
 
 #include <filesystem>
@@ -12,30 +12,30 @@
 
 namespace kerf {
 
-/// Meshes and what they are made of. Tissues are solids with priority: where two overlap, the earlier part wins. So no
-/// two surfaces need to coincide: enamel reaches a little out of the tooth, the tooth is one solid of dentin.
+/// Meshes and their materials. Tissues are solids with priority: where two overlap, the earlier part wins. So no two
+/// surfaces need to coincide: enamel reaches a little out of the tooth, the tooth is one solid of dentin.
 struct DemoAnatomy {
   struct File {
-    std::string name;  ///< of the mesh, without folder
+    std::string name;  ///< name of the mesh file, without folder
     Mesh mesh;         ///< mm; closed, 2-manifold, outward, not crossing itself as float32; vertex colours
   };
   struct Part {
     std::string material;  ///< caries, enamel, dentin, pulp, pdl, nerve_canal, cancellous, cortical
     std::string file;      ///< one of `files`
   };
-  std::string name;     ///< of the recipe, without extension: "molar"
-  std::string title;    ///< for people
-  double voxel_mm = 0;  ///< that shows the finest tissue
+  std::string name;     ///< recipe name, without extension: "molar"
+  std::string title;    ///< for display
+  double voxel_mm = 0;  ///< resolves the finest tissue
   std::vector<File> files;
   std::vector<Part> parts;           ///< in order of priority
   std::vector<std::string> outline;  ///< files whose union is the surface of the object
 
   const Mesh& mesh(const std::string& file) const;  ///< @pre there is one of this name
-  std::string manifest() const { return name + (parts.empty() ? ".ply" : ".toml"); }  ///< what makes the folder ours
+  std::string manifest() const { return name + (parts.empty() ? ".ply" : ".toml"); }  ///< marks a demo folder
 };
 
 /// Lower left first molar (FDI 36): caries, enamel, pulp, dentin; frame of demo_molar.h. Cancelled: kCancelled.
-/// @param detail  edges are this many times as long as by default: 1 gives about 150 000 triangles in 3 s of one core.
+/// @param detail  factor on the default edge length: 1 gives about 150 000 triangles in 3 s of one core.
 Expected<DemoAnatomy> demoMolarAnatomy(double detail = 1, const Progress& progress = {});
 
 /// Mandible with teeth 31 to 37 and 41 to 47: pulp, enamel, dentin, ligament (PDL), nerve canals, spongy and compact

@@ -28,7 +28,7 @@ Vec3d gradient(const Vec3d& p) {
   return g;
 }
 
-/// Above the ragged edge of what the scanner saw?
+/// True above the ragged edge of the scanned surface.
 bool wasSeen(const Vec3d& p, std::uint32_t seed) {
   const double ragged = 1.6 * valueNoise(p / 6, seed) + 0.7 * valueNoise(p / 1.7, seed + 1);
   return p.z() > -17 + 0.05 * p.y() + ragged && p.y() < 47 + ragged;

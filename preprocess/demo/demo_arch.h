@@ -1,4 +1,4 @@
-// A scan-like lower arch of Kerf's own making, with the faults real scans have: to try closing and repairing on.
+// Synthetic lower arch with the defects of real scans, to test closing and repair.
 #pragma once
 
 #include <cstdint>
@@ -9,12 +9,12 @@
 
 namespace kerf {
 
-/// What is wrong with the scan, on purpose. Everything else is sound: one piece, 2-manifold, not crossing itself.
+/// Deliberate defects of the scan. The rest is one piece, 2-manifold, not crossing itself.
 struct DemoArchDefects {
   std::size_t rims = 1;               ///< one long ragged boundary: the underside is missing
   std::size_t pin_holes = 0;          ///< small boundaries of 3 to 9 edges
   std::size_t islands = 0;            ///< crumbs that float before the surface
-  std::size_t island_triangles = 0;   ///< of all islands together
+  std::size_t island_triangles = 0;   ///< triangles of all islands together
   std::size_t spikes = 0;             ///< single vertices far off
   std::size_t flipped_triangles = 0;  ///< turned inside out, in one patch
   std::size_t flipped_edges = 0;      ///< around that patch
@@ -27,9 +27,10 @@ struct DemoArch {
 
 struct DemoArchOptions {
   double edge_mm = 0.25;  ///< mean edge, 0.15 to 1. 0.25 gives about 220 000 triangles
-  /// Of the surface, root mean square: half of it from vertex to vertex, half in bumps 1.5 mm wide.
+  /// Noise of the surface, root mean square: half of it from vertex to vertex, half in bumps 1.5 mm wide.
   double noise_mm = 0.008;
-  std::uint32_t seed = 36;  ///< of the noise, the rim and where the faults are; the same seed gives the same scan
+  std::uint32_t seed = 36;  ///< seed of the noise, the rim and the places of the defects; the same seed gives the same
+                            ///< scan
 };
 
 /// Teeth 37 to 47 and gums, as an intraoral scanner sees them; frame of demo_jaw.h. Cancelled: kCancelled.

@@ -1,8 +1,7 @@
 // The lower jaw of Kerf's demo anatomy as implicit solids.
 //
 // Frame, mm: x to the patient's left, y backwards, z up (LPS); origin in the midline at the edges of the incisors, z =
-// 0 the occlusal plane. Symmetric: everything is modelled for x >= 0 and asked with |x|. Negative inside, pure, any
-// thread.
+// 0 the occlusal plane. Symmetric: the model covers x >= 0; callers pass |x|. Negative inside, pure, any thread.
 #pragma once
 
 #include <span>
@@ -30,7 +29,7 @@ double spongyBone(const Vec3d& p);
 
 /// Gums: mucosa over the jaw, with a collar and papillae around the teeth.
 double gingiva(const Vec3d& p);
-/// Gums and teeth together: what an intraoral scanner sees.
+/// Gums and teeth together, as seen by an intraoral scanner.
 double archSurface(const Vec3d& p);
 
 }  // namespace kerf::internal

@@ -1,4 +1,4 @@
-// The lower teeth 1 to 7 of Kerf's demo anatomy as implicit solids, each in its own frame, and the row they make.
+// The lower teeth 1 to 7 of Kerf's demo anatomy as implicit solids, each in its own frame, and their row.
 #pragma once
 
 #include <algorithm>
@@ -39,15 +39,15 @@ double toothValue(const ToothDimensions& tooth, ToothTissue tissue, const Vec3d&
 struct ToothPose {
   Rigid3 T_tooth_jaw;
   const ToothDimensions* tooth;
-  Vec3d middle;   ///< of a ball around the tooth, jaw frame, mm
-  double radius;  ///< of that ball, mm, with 2 mm to spare
+  Vec3d middle;   ///< centre of a ball around the tooth, jaw frame, mm
+  double radius;  ///< radius of that ball, mm, with 2 mm to spare
 };
-/// The left row in the jaw's frame (demo_jaw.h). The right one is its mirror image: ask with |x|.
+/// The left row in the jaw's frame (demo_jaw.h). The right row is its mirror image: pass |x|.
 const std::array<ToothPose, 7>& lowerRow();
 
-/// Union over all teeth of something that stands no more than 1 mm out of the tooth, at a point of the jaw.
+/// Union over all teeth of a value whose body extends at most 1 mm beyond the tooth, at a point of the jaw.
 /// @param reach  teeth further away than this, mm, only give a lower bound of their distance.
-/// @param value  of (tooth, point in the frame of the tooth), mm.
+/// @param value  function of (tooth, point in the frame of the tooth), mm.
 template <class Value>
 double rowUnion(const Vec3d& p, double reach, const Value& value) {
   double nearest = 1e9;

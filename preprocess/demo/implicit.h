@@ -1,4 +1,4 @@
-// Building blocks of implicit solids: values negative inside, in mm, cheap, without state. For our own demo anatomy.
+// Building blocks of implicit solids: values negative inside, in mm, cheap, without state. For Kerf's demo anatomy.
 #pragma once
 
 #include <algorithm>

@@ -13,7 +13,7 @@ constexpr double kSmallest = 3, kLargest = 300;  // mm across, a crown to a skul
 struct Unit {
   std::string_view name;
   double mm;
-  double smallest = kSmallest;  // mm across, where nobody says the unit
+  double smallest = kSmallest;  // mm across, without a given unit
   bool fits(double across) const { return across * mm >= smallest && across * mm <= kLargest; }
 };
 // In inches come blocks and skulls, no object below 6 mm: 0.12 to 0.236 across is a jaw in metres.

@@ -21,7 +21,7 @@ constexpr std::uint32_t kTransferSyntax = 0x00020010, kSamples = 0x00280002, kFr
                         kColumns = 0x00280011, kBitsAllocated = 0x00280100, kPixels = 0x7fe00010, kItem = 0xfffee000,
                         kItemEnd = 0xfffee00d, kSequenceEnd = 0xfffee0dd;
 constexpr int kDeepest = 32;              // sequences in sequences
-constexpr std::size_t kLongestText = 64;  // of a value that is looked at
+constexpr std::size_t kLongestText = 64;  // of a read value
 
 enum class Writing { kExplicitLittle, kExplicitBig, kImplicitLittle };
 
@@ -120,7 +120,7 @@ class Walk {
     return true;
   }
 
-  // Tag and length: an item, or what ends one. They have no VR in any writing.
+  // Tag and length: an item, or its end. They have no VR in any encoding.
   bool readDelimiter(Writing writing, Element& e) { return readTag(writing, e.tag) && number(writing, 4, e.length); }
 
   bool readElement(Writing writing, Element& e) {
@@ -141,7 +141,7 @@ class Walk {
     return out;
   }
 
-  // What the pixels need is kept; the rest is passed over.
+  // Keeps the values that describe the pixels, and skips the rest.
   Found takeValue(Writing writing, const Element& e) {
     double* const wanted = e.tag == kSamples         ? &samples
                            : e.tag == kRows          ? &rows
@@ -227,7 +227,7 @@ Expected<void> requireWholePixels(const fs::path& path) {
   const std::string in_element = fmt::format("element ({:04x},{:04x})", walk.cut_in >> 16, walk.cut_in & 0xffff);
   if (found == Found::kCut) return cutShort(path, "a file that ends in its " + in_element, "its pixels");
   if (found == Found::kEnd) return {};
-  // Colours may be stored with fewer values than pixels; they are no labels, and are refused for that.
+  // Colours may have fewer stored values than pixels. They are no labels: a later step rejects them.
   const double needed = walk.samples > 1 ? 0 : walk.rows * walk.columns * walk.frames * walk.bits / 8;
   if (found == Found::kUnknown) {
     if (walk.is_compressed || static_cast<double>(bytes) >= needed) return {};

@@ -1,5 +1,4 @@
-// Whether a DICOM file holds all of its pixels. GDCM does not ask: of a file that is cut short it returns what was in
-// memory before.
+// Checks that a DICOM file holds all of its pixels. GDCM does not: for a truncated file it returns stale memory.
 #pragma once
 
 #include <filesystem>
@@ -8,12 +7,11 @@
 
 namespace kerf::internal {
 
-/// Walks the elements of a DICOM file up to its pixels, without GDCM. Refuses one that ends before its pixels do, or
-/// that has fewer of them than rows, columns and frames say; of compressed pixels, one whose sequence of fragments has
-/// no end. Files in ways of writing that the walk does not know (no mark "DICM", deflated) are let through if they are
-/// large enough, and files without pixels: GDCM refuses those, if they are no picture at all. Pixels have no checksum
-/// in DICOM: a changed bit among them can not be told.
-/// @cost  the elements before the pixels are read, not the pixels.   Errors: kUnreadable, kBadFormat; never throws.
+/// Walks the elements of a DICOM file up to its pixels, without GDCM. Rejects a file that ends before its pixels, or
+/// has fewer pixels than rows, columns and frames state, or has compressed pixels without an end of the fragment
+/// sequence. Accepts unknown encodings (no mark "DICM", deflated) if the file is large enough, and files without
+/// pixels: GDCM rejects files without a picture. DICOM has no pixel checksum: changed bits stay undetected.
+/// @cost  reads the elements before the pixels, not the pixels.   Errors: kUnreadable, kBadFormat; never throws.
 Expected<void> requireWholePixels(const std::filesystem::path& path);
 
 }  // namespace kerf::internal

@@ -89,7 +89,7 @@ Expected<void> stackSlices(std::vector<Slice>& slices) {
     return a.height != b.height ? a.height < b.height : a.path < b.path;
   });
 
-  // The lower median of what is above zero: a missing slice widens one gap, not the step.
+  // The lower median of the gaps above zero: a missing slice widens one gap, not the step.
   const auto last = slices.size() - 1;
   std::vector<double> gaps, steps;
   for (std::size_t i = 0; i < last; ++i) gaps.push_back(slices[i + 1].height - slices[i].height);
@@ -124,9 +124,9 @@ VolumeHeader stackedHeader(const std::vector<Slice>& slices) {
   return whole;
 }
 
-// What the series says of its spacing. @param header  of any of its files.
+// Spacing of the series. @param header  of any of its files.
 void findSpacing(const VolumeHeader& header, VolumePlan& plan) {
-  const bool frames = plan.files.size() == 1;  // otherwise the positions of the slices say how far apart they are
+  const bool frames = plan.files.size() == 1;  // otherwise the positions of the slices give their spacing
   const bool pixel = header.states_pixel_spacing, frame = !frames || header.states_frame_spacing;
   const Vec3d& spacing = plan.grid.spacing;
   if (!pixel || !frame) {

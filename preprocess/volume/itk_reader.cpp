@@ -1,4 +1,4 @@
-// The only source that sees ITK, in a library of its own, kerf_volumes.so.
+// The only source that includes ITK, in the separate library kerf_volumes.so.
 #include "preprocess/volume/itk_reader.h"
 
 #include <dlfcn.h>
@@ -29,7 +29,7 @@ namespace {
 
 using Io = itk::ImageIOBase;
 
-// ITK's copy of libtiff writes to standard error what it complains of. It has no header, and names of its own.
+// ITK's copy of libtiff writes its complaints to standard error. It has no header, and uses its own names.
 void quietTiff() {
   using Handler = void (*)(const char* module, const char* format, va_list arguments);
   for (const char* name : {"itk_TIFFSetErrorHandler", "itk_TIFFSetWarningHandler"}) {
@@ -72,7 +72,7 @@ Io::Pointer makeIo(VolumeFormat format) {
   return png.GetPointer();
 }
 
-// What ITK says is a paragraph with addresses in it; the last line tells the reason.
+// An ITK error is a paragraph with addresses; the last line has the reason.
 std::string reason(const std::exception& e) {
   std::string text = e.what();
   if (const auto* itk_error = dynamic_cast<const itk::ExceptionObject*>(&e)) text = itk_error->GetDescription();
@@ -160,8 +160,8 @@ Expected<VolumeHeader> headerOf(const std::filesystem::path& path, const Io& io)
   return h;
 }
 
-// libpng writes its warnings to standard error, and ITK lets nobody tell it otherwise: while a picture is read, nothing
-// arrives there. What other threads would say meanwhile is lost.
+// libpng writes its warnings to standard error, and ITK offers no way to change it: this redirects standard error to
+// /dev/null while a picture is read. Messages of other threads are lost meanwhile.
 class QuietStandardError {
  public:
   explicit QuietStandardError(bool is_wanted) {
@@ -221,8 +221,7 @@ std::vector<const gdcm::DataSet*> items(const gdcm::DataSet& set, const gdcm::Ta
   return out;
 }
 
-// The spacing as the file states it: where there is none, or not where GDCM looks for it, GDCM says 1 mm without a
-// warning.
+// The spacing in the file: if it is missing, or not where GDCM looks for it, GDCM silently reports 1 mm.
 // Places after DICOM PS3.3: C.7.6.3 (image pixel), C.7.6.16 (functional groups of frames), C.8.6 (scanned pictures).
 void findStatedSpacing(const std::filesystem::path& path, VolumeHeader& h) {
   h.states_pixel_spacing = h.states_frame_spacing = false;
@@ -231,7 +230,7 @@ void findStatedSpacing(const std::filesystem::path& path, VolumeHeader& h) {
   if (h.spacing.size() < 2 || !reader.ReadUpToTag(gdcm::Tag(0x7fe0, 0x0010))) return;
   const gdcm::DataSet& top = reader.GetFile().GetDataSet();
 
-  // Where it may stand: the file as a whole, or the frames.
+  // Its possible places: the file as a whole, or the frames.
   std::vector<gdcm::SmartPointer<gdcm::SequenceOfItems>> alive;
   std::vector<const gdcm::DataSet*> places{&top};
   std::vector<std::vector<double>> positions;  // of frames

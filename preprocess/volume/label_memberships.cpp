@@ -187,7 +187,7 @@ void keepThin(const SlotGrid& grid, Memberships& memberships) {
         }
   });
 
-  // Only now: the lifts were found from the memberships as they were.
+  // Only now, because the lifts depend on the original memberships.
   tbb::parallel_for(std::size_t{0}, memberships.mixed.size(), [&](std::size_t m) {
     Memberships::Brick& brick = memberships.mixed[m];
     for (int n = 0; n < kBrickNodes; ++n) {

@@ -1,4 +1,4 @@
-// Memberships: how much of each slot a Gaussian finds around a node, kept only in bricks where several slots meet.
+// Memberships: share of each slot in a Gaussian around a node, stored only in bricks where several slots meet.
 #pragma once
 
 #include <array>
@@ -36,18 +36,18 @@ inline std::size_t brickNumber(const Vec3i& b, const Vec3i& bricks) {
 /// membership times weight.
 struct Memberships {
   struct Brick {
-    std::vector<Slot> slots;   ///< that have membership in it, rising
+    std::vector<Slot> slots;   ///< slots with membership in the brick, rising
     std::vector<float> value;  ///< kBrickNodes per slot, order of nodeOffset()
   };
 
   Vec3i bricks = Vec3i::Zero();
   std::vector<std::int32_t> index;  ///< per brick place: into `mixed`, or -1 - slot where one slot fills the brick
   std::vector<Brick> mixed;
-  std::vector<Vec3i> place;   ///< of the mixed bricks
+  std::vector<Vec3i> place;   ///< places of the mixed bricks
   std::vector<float> weight;  ///< per slot, 1 for the rest
 
   std::size_t slots() const { return weight.size(); }
-  /// What stands at a brick place, as in `index`; beyond the grid the rest.
+  /// Entry of `index` at a brick place; beyond the grid the rest.
   std::int32_t find(const Vec3i& b) const {
     if ((b.array() < 0).any() || (b.array() >= bricks.array()).any()) return -1;
     return index[brickNumber(b, bricks)];
@@ -69,7 +69,8 @@ void keepThin(const SlotGrid& grid, Memberships& memberships);
 inline constexpr int kSubSamples = 3;  // per axis
 inline constexpr std::uint64_t kCellSamples = kSubSamples * kSubSamples * kSubSamples;
 
-/// Weights such that every slot fills the volume its voxels had. Stops within `tolerance` of each, or after 12 rounds.
+/// Fits weights such that every slot keeps the volume of its voxels. Stops within `tolerance` of each, or after 12
+/// rounds.
 /// @param sigma    voxels, the smallest of the axes.   @param voxels  per slot.
 /// @param samples  out: volume per slot at the end, in samples.
 /// @return false if cancelled.

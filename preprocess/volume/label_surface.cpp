@@ -124,7 +124,7 @@ struct SmoothLabels::Data {
 // Positive in the rest, about in voxels near the wall, less `outwards`.
 BrickField SmoothLabels::Data::wall(float outwards) const {
   const Memberships& all = memberships;
-  // In voxels, so that marching cubes' limits mean what they say: a lead of one is sigma sqrt(pi / 2) voxels.
+  // Leads converted to voxels, the unit of marching cubes' limits: a lead of one is sigma sqrt(pi / 2) voxels.
   const auto scale = static_cast<float>(std::max(0.4, sigma) * std::sqrt(std::acos(-1.0) / 2));
 
   BrickField field(1.0, 10.0f);
@@ -212,8 +212,8 @@ Expected<Mesh> SmoothLabels::surface(const Progress& progress) const {
   };
   Mesh mesh = meshed(0);
 
-  // Chords cut into sheets of a voxel or two from both sides: the surface is let out until the volume is that of the
-  // labels, by some hundredths of a voxel. Never drawn in from where it was, which could break a thin wall.
+  // Chords cut into sheets of a voxel or two from both sides: the surface moves out until its volume is that of the
+  // labels, by some hundredths of a voxel. It never moves in, which could break a thin wall.
   constexpr float kMostOutwards = 0.2f;
   constexpr double kTolerance = 0.002;
   double voxels = 0;

@@ -34,7 +34,7 @@ tl::unexpected<Error> notLabels(const fs::path& path, std::string place, std::st
                .hint = "give `threshold = ...` in the recipe to make one label of all values from there on"});
 }
 
-// Share of neighbours along x, neither of them nothing, that have different labels.
+// Share of neighbours along x with different labels, both non-zero.
 double restless(const LabelVolume& v) {
   std::size_t pairs = 0, differ = 0;
   for (const LabelVolume::Slice& slice : v.slices)
@@ -47,7 +47,7 @@ double restless(const LabelVolume& v) {
   return pairs ? static_cast<double>(differ) / static_cast<double>(pairs) : 0;
 }
 
-// What became known of the values while they were made labels.
+// Properties of the values, found while converting them to labels.
 struct Values {
   std::optional<double> threshold;
   std::vector<char> seen = std::vector<char>(65536, 0);
@@ -108,13 +108,13 @@ Expected<void> toLabels(ValueType type, const fs::path& path, const LabelVolume&
   return as(double{});
 }
 
-// Refuses what would not fit, before anything is allocated.
+// Rejects a volume beyond the memory limits, before any allocation.
 Expected<void> checkMemory(const fs::path& path, const LabelReadOptions& options, const VolumePlan& plan) {
   const auto value_bytes = static_cast<double>(bytesOf(plan.header.type));
   double voxels = 1;
   for (const int s : plan.grid.size) voxels *= s;
   const double slice = voxels / plan.grid.size[2] * value_bytes;
-  // Two bytes for a label, if there is one everywhere. While ITK decompresses, the values are there twice.
+  // Two bytes for a label, if every voxel has one. While ITK decompresses, memory holds the values twice.
   const double needed = 2 * voxels + (plan.files.size() > 1 || plan.packed.is_plain ? slice : 2 * voxels * value_bytes);
 
   const auto tooLarge = [&](std::string expected, std::string hint) {

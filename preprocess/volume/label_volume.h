@@ -1,4 +1,4 @@
-// A segmented CT or CBCT: one label per voxel, on a grid that may stand askew in space.
+// A segmented CT or CBCT: one label per voxel, on a grid that may be oblique in space.
 #pragma once
 
 #include <array>
@@ -15,10 +15,10 @@
 
 namespace kerf {
 
-/// Labels on a regular grid. Of every line along x only what lies between its first and its last label is kept: a jaw
-/// in a head takes a fraction of the two bytes of every voxel. Voxel (i, j, k) is centred at toWorld((i, j, k)); label
-/// 0 is nothing. World: mm, LPS (x to the patient's left, y to the back, z to the head), as DICOM and ITK have it;
-/// files that store RAS (NIfTI, NRRD with such a space) are converted. Files that name no space keep their own axes.
+/// Labels on a regular grid. Each line along x stores only the voxels from its first to its last label: a jaw in a head
+/// takes a fraction of two bytes per voxel. Voxel (i, j, k) is centred at toWorld((i, j, k)); label 0 is empty space.
+/// World: mm, LPS (x to the patient's left, y to the back, z to the head), as DICOM and ITK have it; files that store
+/// RAS (NIfTI, NRRD with such a space) are converted. Files that name no space keep their own axes.
 struct LabelVolume {
   std::array<int, 3> size{};      ///< voxels along each axis, >= 1
   Vec3d spacing = Vec3d::Ones();  ///< mm along each grid axis, finite, > 0
@@ -63,53 +63,52 @@ struct LabelCount {
 std::vector<LabelCount> countLabels(const LabelVolume& volume);
 
 struct LabelReadOptions {
-  /// mm along the grid's axes. Needed for slice pictures and for files that state none, or one that is not usable (not
-  /// a number, zero, negative). A file with a usable spacing that differs by more than 0.1 % is an error, never
-  /// overridden. (A NIfTI file with an unusable one is refused: ITK can not read it.)
+  /// mm along the grid's axes. Required for slice pictures, and for files with no spacing or an unusable one (not a
+  /// number, zero, negative). A usable spacing in the file that differs by more than 0.1 % is an error, never
+  /// overridden. (A NIfTI file with an unusable spacing is an error: ITK can not read it.)
   std::optional<Vec3d> spacing_mm{};
   /// Makes labels from intensities: 1 where the value is at least this, else 0. Without it the values are the labels.
   std::optional<double> threshold{};
-  std::uint64_t max_bytes = 6ull << 30;  ///< refuse, before allocating, a volume that needs more while it is read
-  /// Likewise one that needs more than 4/5 of this; empty: of what the machine has free.
+  std::uint64_t max_bytes = 6ull << 30;  ///< rejects, before allocating, a volume that needs more during reading
+  /// Rejects a volume that needs more than 4/5 of this; empty: of the machine's free memory.
   std::optional<std::uint64_t> available_bytes{};
 };
 
 /// Reads a volume. By name: `.nrrd`, `.nii`, `.nii.gz`, `.mha`, `.mhd` (with its raw file beside it), or a folder: a
 /// DICOM series, or slices as `.png`, `.tif`, `.tiff` or `.bmp`, stacked along z in natural order (slice-2 before
 /// slice-10).
-/// Refused, by name: more than three axes of more than one voxel; several values per voxel (colour, vectors); values
-/// that are no labels, unless `threshold` is given (fractions, negative, above 65535, more than 256 different ones, or
-/// more than 32 of which neighbours mostly differ, as densities do); pictures beside DICOM slices; missing or doubled
-/// DICOM slices; several series in one folder; files that are shorter than their header claims, or whose checksum is
-/// not that of what is packed in them. (What has no checksum, raw values and DICOM, hides a changed bit.)
+/// Errors name the cause: more than three axes of more than one voxel; several values per voxel (colour, vectors);
+/// values that are no labels, unless `threshold` is given (fractions, negative, above 65535, more than 256 different
+/// ones, or more than 32 of which neighbours mostly differ, as densities do); pictures beside DICOM slices; missing or
+/// doubled DICOM slices; several series in one folder; files shorter than their header claims; packed data that
+/// contradicts its checksum. (Raw values and DICOM have no checksum: changed bits stay undetected.)
 /// @return the volume. Errors: kNotFound, kUnreadable, kBadFormat, kBadValue, kUnsupported, kCancelled; never throws.
-/// @cost  360 x 360 x 330 from .nii.gz: about 0.5 s. What lies raw or compressed in one file is read slice by slice; in
-/// other encodings (text, frames of DICOM) all values are there at once.   @thread any.
+/// @cost  360 x 360 x 330 from .nii.gz: about 0.5 s. Reads raw or compressed values in one file slice by slice; other
+/// encodings (text, frames of DICOM) need all values in memory at once.   @thread any.
 Expected<LabelVolume> readLabelVolume(const std::filesystem::path& path, const LabelReadOptions& options = {},
                                       const Progress& progress = {});
 
-/// What a volume holds whose values need not be labels.
+/// Summary of a volume with labels or intensities.
 struct VolumeSummary {
   LabelVolume grid;  ///< without labels
   double lowest = 0, highest = 0;
 };
-/// Reads all values for their range. Errors: as readLabelVolume(), but for values that are no labels.
+/// Reads all values for their range. Errors: as readLabelVolume(), except values that are no labels.
 Expected<VolumeSummary> summariseVolume(const std::filesystem::path& path, const LabelReadOptions& options = {},
                                         const Progress& progress = {});
 
-/// ", but in its sub-folders: CT/axial (120 slices), CT/scout (1 slice)": those that hold slices, down to four levels;
-/// empty if there is none. @return for messages.
+/// ", but in its sub-folders: CT/axial (120 slices), CT/scout (1 slice)": folders with slices, down to four levels;
+/// empty if none. @return text for messages.
 std::string textOfSliceFolders(const std::filesystem::path& folder);
 
-/// "label 3 (x low, z high)": which of the labels touch faces of their volume, where their surface is cut off flat.
-/// @param labels  empty: all.   Empty text: none does.
+/// "label 3 (x low, z high)": labels that touch faces of their volume, with a flat cut surface there.
+/// @param labels  empty: all.   @return empty if no label touches a face.
 std::string textOfCutLabels(const LabelVolume& volume, std::span<const std::uint16_t> labels = {});
 
-/// The files a volume in a file is made of: itself, and after it the raw file that a `.mhd` names. Any other file:
-/// itself.
+/// Files of a volume: the file itself, then for `.mhd` the raw file it names.
 Expected<std::vector<std::filesystem::path>> filesOfVolume(const std::filesystem::path& path);
 
-/// True if the name is one readLabelVolume() takes for a volume file; of folders: if it holds slices of either kind.
+/// True for a file name that readLabelVolume() treats as a volume, and for a folder with slices of either kind.
 bool isLabelVolume(const std::filesystem::path& path);
 
 }  // namespace kerf

@@ -15,7 +15,7 @@ constexpr double kLeastWeight = 0.2, kMostWeight = 5;
 constexpr int kSpan = kBrickSide + 1;  // nodes along the cells of a brick
 constexpr auto kSpanNodes = static_cast<std::size_t>(kSpan * kSpan * kSpan);
 
-// What the cells of one brick hold.
+// Content of the cells of one brick.
 struct Share {
   std::vector<Slot> slots;
   std::vector<std::uint32_t> samples, shared;  // per slot: volume; cells it shares with others
@@ -80,9 +80,8 @@ Scores scoresOf(const Memberships& memberships, const Neighbours& around, const 
   return scores;
 }
 
-// Where a cell's samples begin, as a share of their distance. They keep their distances but start anywhere: else a wall
-// along the grid would hit or miss a whole layer of them at once. Plastic-number offsets spread evenly over
-// neighbouring cells.
+// Start of a cell's samples, as a share of their distance. It varies from cell to cell: otherwise a wall along the grid
+// would hit or miss a whole layer of samples at once. Plastic-number offsets spread evenly over neighbouring cells.
 float sampleStart(int u, int v, int w) {
   const double s = 0.8191725134 * u + 0.6710436067 * v + 0.5497004779 * w;
   return static_cast<float>(s - std::floor(s));
@@ -112,8 +111,8 @@ void sampleCell(const Vec3i& cell, const std::array<std::size_t, 8>& node, const
   }
 }
 
-// Cells all of whose nodes one slot wins belong to it wholly (a weighted mean of eight leads is a lead); the others are
-// sampled.
+// If one slot wins all nodes of a cell, the cell belongs to it wholly (a weighted mean of eight leads is a lead).
+// Samples the other cells.
 Share measureBrick(const Memberships& memberships, const Vec3i& at) {
   Share share;
   const Neighbours around = neighboursOf(memberships, at, share.slots);

@@ -38,7 +38,7 @@ class PackedBytes {
   std::size_t size() const { return end_ - first_; }
   void drop(std::size_t bytes) { first_ += bytes; }
 
-  // Keeps what was not dropped, and adds what fits.
+  // Keeps the remaining bytes, and fills the rest of the chunk.
   void refill() {
     std::memmove(chunk_.data(), at(), size());
     end_ = size();
@@ -69,10 +69,10 @@ struct Inflater {
   Inflater& operator=(const Inflater&) = delete;
 };
 
-// What comes out of the packed bytes, in parts of any size.
+// Receives the unpacked bytes, in parts of any size.
 using ByteSink = std::function<Expected<void>(std::span<const std::byte>)>;
 
-// Unpacks to the end, where the checksum stands; the bytes that came out.
+// Unpacks to the end, with the checksum; returns the number of unpacked bytes.
 Expected<std::uint64_t> inflate(const PackedValues& packed, const ByteSink& sink, const Progress& progress) {
   const bool is_gzip = packed.packing == Packing::kGzip;
   Inflater inflater(is_gzip ? kGzipOnly : kGzipOrZlib);
@@ -174,7 +174,7 @@ class SliceCutter {
   bool is_swapped_ = false;
 };
 
-// How many words stand there.
+// Number of words.
 Expected<std::uint64_t> wordsOf(const PackedValues& packed, const Progress& progress) {
   PackedBytes in(packed);
   std::uint64_t words = 0;

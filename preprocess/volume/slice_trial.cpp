@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What the process was started with may be lower, and is not to be raised.
+// Sets a soft limit, capped by the hard limit of the process.
 void setSoftLimit(decltype(RLIMIT_AS) what, rlim_t wanted) {
   rlimit limit{};
   if (getrlimit(what, &limit) != 0) return;
@@ -25,8 +25,8 @@ void setSoftLimit(decltype(RLIMIT_AS) what, rlim_t wanted) {
   setrlimit(what, &limit);
 }
 
-// Allows two seconds of processor time from now, and more for a large file; this process dies of exceeding them. By the
-// clock it may take ten times that: the machine may be busy, but a pipe that is never closed must end.
+// Allows two seconds of processor time from now, and more for a large file; exceeding them ends this process. The
+// wall-clock limit is ten times that: the machine may be busy, but a wait for a pipe that never closes must end.
 void limitTime(const fs::path& file) {
   constexpr double kLeastSeconds = 2, kBytesPerSecond = 2e6, kMostSeconds = 3600;
   std::error_code failed;
@@ -40,15 +40,15 @@ void limitTime(const fs::path& file) {
   alarm(10 * static_cast<unsigned>(more));
 }
 
-// The most memory this process has had, bytes.
+// Peak memory of this process, bytes.
 double mostMemory() {
   rusage used{};
   getrusage(RUSAGE_SELF, &used);
   return 1024.0 * static_cast<double>(used.ru_maxrss);
 }
 
-// Allows the memory that a sound file needs, beyond what this process has; it dies of asking for more. GDCM takes what
-// a length in a file says before it looks how long the file is.
+// Allows the memory of a sound file, on top of the current use; a larger request ends the process. GDCM allocates by a
+// length in the file before it checks the size of the file.
 // @param values  bytes of the pixels, unpacked; 0 while only the header is read.
 void limitMemory(const fs::path& file, double values) {
   constexpr double kAmple = 512e6, kPerByte = 20, kCopies = 4;

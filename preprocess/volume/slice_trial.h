@@ -1,4 +1,4 @@
-// Slices read on trial, in a process of their own.
+// Trial reading of slices in a child process.
 #pragma once
 
 #include <cstdint>
@@ -9,9 +9,9 @@
 
 namespace kerf::internal {
 
-/// The libraries that read slices end the program on some broken files (GDCM asserts), and never return on others. So a
-/// child process reads every slice first, each within an ample time. False if it died of one.
-/// @param max_bytes  files that claim more are not read.
+/// The slice libraries abort the program on some broken files (GDCM asserts), and never return on others. So a child
+/// process reads every slice first, each within an ample time. False if a slice ended the child.
+/// @param max_bytes  does not read files that claim more.
 bool survivesReading(const std::vector<std::filesystem::path>& files, VolumeFormat format, std::uint64_t max_bytes);
 
 }  // namespace kerf::internal

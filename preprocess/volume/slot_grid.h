@@ -1,4 +1,4 @@
-// The labels of a volume as slots, small numbers: 0 is the rest, 1 + n the n-th tissue label that was asked for.
+// The labels of a volume as slots, small numbers: 0 is the rest, 1 + n the n-th requested tissue label.
 #pragma once
 
 #include <cstddef>
@@ -14,14 +14,14 @@ namespace kerf::internal {
 
 using Slot = std::uint8_t;
 inline constexpr std::size_t kMostTissues = 250;
-inline constexpr std::size_t kMostSlots = 256;  ///< what a Slot can number
+inline constexpr std::size_t kMostSlots = 256;  ///< range of a Slot
 
-/// How often each slot occurs in a volume, and the box of those that are tissue.
+/// Number of voxels of each slot in a volume, and the box of the tissue slots.
 struct SlotSurvey {
-  std::vector<std::uint64_t> voxels;  ///< per slot; 0 for the rest, which is not counted
+  std::vector<std::uint64_t> voxels;  ///< per slot; 0 for the rest, without a count
   Vec3i low, high;                    ///< first and last voxel along each axis
 };
-/// @param slot_of  per label, 65536 of them.   @param slots  how many there are, the rest included.
+/// @param slot_of  per label, 65536 of them.   @param slots  number of slots, the rest included.
 SlotSurvey surveySlots(const LabelVolume& volume, std::span<const Slot> slot_of, std::size_t slots);
 
 /// The slots of all voxels in a box, a whole number of bricks along each axis; the last axis varies fastest.
@@ -48,7 +48,7 @@ struct SlotGrid {
 /// Fills a grid whose place and size are set. Nodes outside the volume are the rest. Parallel.
 void fillSlots(const LabelVolume& volume, std::span<const Slot> slot_of, SlotGrid& grid);
 
-/// How many pieces each slot has, joined through faces; 0 for the rest.
+/// Number of pieces of each slot, joined through faces; 0 for the rest.
 std::vector<std::uint32_t> countPieces(const SlotGrid& grid, std::size_t slots);
 
 }  // namespace kerf::internal

@@ -50,7 +50,7 @@ class Mesher {
     for (Face& f : faces_) {
       mesh_.triangles.push_back({f[0], f[1], f[2]});
       if (f[3] == kNone) continue;
-      // Of a quad the shorter diagonal; both halves stay in the tetrahedron.
+      // The shorter diagonal of a quad; both halves stay in the tetrahedron.
       if ((mesh_.vertices[f[0]] - mesh_.vertices[f[2]]).squaredNorm() <=
           (mesh_.vertices[f[1]] - mesh_.vertices[f[3]]).squaredNorm()) {
         mesh_.triangles.push_back({f[0], f[2], f[3]});

@@ -77,7 +77,7 @@ class TiffWalk {
  public:
   TiffWalk(const fs::path& path, std::istream& in, std::uint64_t bytes) : path_(path), in_(in), bytes_(bytes) {}
 
-  // The place of the first directory; 0: there is none.
+  // The place of the first directory; 0 if none.
   Expected<std::uint64_t> begin() {
     std::array<char, 2> order{};
     in_.read(order.data(), order.size());
@@ -146,7 +146,7 @@ class TiffWalk {
     }
   }
 
-  // Keeps the numbers of an entry that is wanted. Few stand in the entry itself, more of them elsewhere in the file.
+  // Keeps the numbers of a wanted entry. The entry itself holds a few, else they lie elsewhere in the file.
   Expected<void> takeEntry(std::uint64_t at, Page& page) {
     std::uint64_t tag = 0, type = 0, count = 0;
     const std::size_t word = is_big_ ? 8 : 4;
@@ -178,7 +178,7 @@ class TiffWalk {
   bool is_big_endian_ = false, is_big_ = false;
 };
 
-// What the strips are to hold, unpacked. None for colours, and for sizes that no slice has: those are refused later.
+// Required unpacked sizes of the strips. Empty for colours and for impossible sizes: a later step rejects those.
 struct Strips {
   std::uint64_t rows = 0, rows_each = 1, row_bytes = 0;
 
@@ -217,7 +217,7 @@ Expected<void> requireWholePage(const fs::path& path, std::uint64_t file_bytes, 
   for (std::size_t n = 0; n < strips.count(); ++n) {
     const std::string place = fmt::format("strip {} of {}", n + 1, strips.count());
     const std::uint64_t held = file_bytes - std::min(file_bytes, offsets[n]);
-    // Some programs leave the counts out, or at 0; of what is not compressed they tell nothing.
+    // Some programs omit the counts, or write 0. For raw strips the counts are not needed.
     const std::uint64_t stated = n < counts.size() && counts[n] > 0 ? counts[n] : held;
     const std::uint64_t needed = compression == kRaw ? strips.bytesOf(n) : stated;
     if (needed > held || offsets[n] > file_bytes)

@@ -1,5 +1,5 @@
-// Whether a TIFF picture holds all of its values. libtiff stops to unpack a strip when it has the values it needs: the
-// checksum behind them is not reached, and a bit that changed becomes another label without a word.
+// Checks that a TIFF picture holds all of its values. libtiff stops unpacking a strip once it has the needed values: it
+// does not reach the checksum behind them, and a changed bit silently becomes another label.
 #pragma once
 
 #include <filesystem>
@@ -9,13 +9,13 @@
 
 namespace kerf::internal {
 
-/// Walks the directories of a TIFF, classic or BigTIFF, without libtiff. Refuses strips that lie outside of the file or
-/// are fewer than the picture has rows. Strips by deflate are unpacked to their end: refused if they are cut short, if
-/// they contradict their checksum (Adler-32), or are fewer values than the picture claims. LZW, PackBits and values as
-/// they are have no checksum: a changed bit among them can not be told, unless libtiff runs out of values. Pictures in
-/// tiles are refused, because ITK makes colours of them.
-/// @param progress  asked between parts of a strip; its number is not of use.
-/// @cost  the file is read once; of deflate it is unpacked once more than the values are read.
+/// Walks the directories of a TIFF, classic or BigTIFF, without libtiff. Rejects strips outside the file or fewer than
+/// the picture's rows. Unpacks deflate strips to their end, and rejects them if truncated, if they contradict their
+/// checksum (Adler-32), or hold fewer values than the picture claims. LZW, PackBits and plain values have no checksum:
+/// a changed bit stays undetected, unless libtiff runs out of values. Rejects pictures in tiles, because ITK makes
+/// colours of them.
+/// @param progress  called between parts of a strip; its fraction is meaningless.
+/// @cost  reads the file once; for deflate, one more unpacking than reading the values.
 /// Errors: kUnreadable, kBadFormat, kUnsupported, kCancelled; never throws.
 Expected<void> requireWholeStrips(const std::filesystem::path& path, const Progress& progress);
 

@@ -44,7 +44,7 @@ Expected<const ItkReader*> findReader() {
     std::error_code failed;
     if (!fs::exists(place, failed)) continue;
 
-    // Never closed: what ITK registers when it is loaded does not let go of it.
+    // Never closed: ITK's registrations at load keep references to it.
     void* library = dlopen(place.c_str(), RTLD_NOW | RTLD_LOCAL);
     if (!library) return unusable(place.string(), std::string("it can not be loaded: ") + dlerror());
     const auto entry = reinterpret_cast<decltype(&kerfItkReader)>(dlsym(library, "kerfItkReader"));

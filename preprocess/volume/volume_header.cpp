@@ -1,5 +1,5 @@
-// Headers of NRRD, NIfTI and MetaImage files, read before ITK gets them: ITK takes a missing spacing for 1 mm, and
-// believes sizes before it checks how much there is to read. Of packed values it takes what it finds.
+// Headers of NRRD, NIfTI and MetaImage files, read before ITK gets them: ITK treats a missing spacing as 1 mm, trusts
+// sizes before it checks the amount of data, and accepts truncated packed values.
 // After the format descriptions: teem.sourceforge.net/nrrd/format.html, nifti1.h of NIfTI-1.1, itk.org MetaIO.
 #include <fmt/format.h>
 #include <zlib.h>
@@ -23,7 +23,7 @@ constexpr double kDeflateGrowth = 1032;  // no deflate stream expands more
 constexpr double kText = 8;              // a digit and a blank make up to 8 bytes, and half a byte is lost to rounding
 constexpr std::size_t kMostHeader = 1 << 20;
 constexpr int kMostAxes = 7;
-// What is longer overruns a buffer of 1024 bytes in ITK 5.2's NRRD library, which quotes it when it complains.
+// ITK 5.2's NRRD library quotes the text in its error, and overruns a buffer of 1024 bytes for longer text.
 constexpr std::size_t kMostQuoted = 500;
 
 tl::unexpected<Error> bad(const fs::path& path, std::string place, std::string found, std::string expected,
@@ -67,7 +67,7 @@ std::string lower(std::string s) {
   return s;
 }
 
-// Numbers separated by blanks; what is no number becomes NaN, as `NaN` and `nan` do.
+// Numbers separated by blanks; other text becomes NaN, as `NaN` and `nan` do.
 std::vector<double> numbers(const std::string& text) {
   std::istringstream in(text);
   in.imbue(std::locale::classic());
@@ -88,8 +88,7 @@ struct TextHeader {
   std::uint64_t bytes = 0;                   // of the header, the separating line included
 };
 
-// ITK passes over a key of MetaImage in other letters: it would take 1 mm for the spacing, and what is compressed for
-// labels.
+// ITK ignores a MetaImage key in other letters: it would use 1 mm as the spacing, and compressed bytes as labels.
 Expected<void> requireSpelling(const fs::path& path, int line, const std::string& key) {
   for (const char* known : {"NDims", "DimSize", "ElementSpacing", "ElementSize", "ElementType", "ElementDataFile",
                             "ElementNumberOfChannels", "ElementByteOrderMSB", "BinaryDataByteOrderMSB", "BinaryData",
@@ -189,7 +188,7 @@ Expected<void> requireNrrdSignature(const fs::path& path) {
   return {};
 }
 
-// What values bytes one stored byte can stand for.
+// Largest number of value bytes per stored byte.
 Expected<double> mostPerByteOfNrrd(const fs::path& path, const std::string& encoding) {
   if (encoding == "gzip" || encoding == "gz") return kDeflateGrowth;
   if (encoding == "bzip2" || encoding == "bz2")
@@ -283,7 +282,7 @@ Expected<StatedHeader> checkNrrd(const fs::path& path) {
   return out;
 }
 
-// How a MetaImage file holds its values. ITK goes by the first letter of True and False.
+// Encoding of the values in a MetaImage file. ITK uses the first letter of True and False.
 Expected<PackedValues> packedValuesOfMetaImage(const fs::path& path, const TextHeader& h, const StatedHeader& stated) {
   const auto startsWith = [&](const std::string& key, const char* letters) {
     const auto at = h.field.find(key);
@@ -407,7 +406,7 @@ Expected<NiftiHeader> readNiftiHeader(const fs::path& path) {
   return header;
 }
 
-// ITK inverts what stands here without checking, and its linear algebra aborts the program on what is not finite.
+// ITK inverts this matrix unchecked, and its linear algebra aborts the program on values that are not finite.
 Expected<void> checkNiftiGeometry(const fs::path& path, const NiftiHeader& header, const std::vector<double>& spacing) {
   const auto refuse = [&](const char* key, double value) {
     return bad(path, fmt::format("key {}", key), fmt::format("the number {}", value),
@@ -428,7 +427,7 @@ Expected<void> checkNiftiGeometry(const fs::path& path, const NiftiHeader& heade
   return {};
 }
 
-// Of the stored values; none for those that are no single number.
+// Type of the stored values; empty if they are no single numbers.
 std::optional<ValueType> niftiType(const NiftiHeader& header) {
   switch (static_cast<int>(header.shortAt(70))) {
     case 2:
@@ -456,7 +455,7 @@ std::optional<ValueType> niftiType(const NiftiHeader& header) {
   }
 }
 
-// Whether the values are slope times what is stored, plus a number.
+// True if the values are slope times stored values, plus an offset.
 bool isScaled(const NiftiHeader& header) {
   const double slope = header.floatAt(112), more = header.floatAt(116);
   return slope != 0 && !(slope == 1 && more == 0);

@@ -100,7 +100,7 @@ Expected<std::vector<fs::path>> filesOf(const fs::path& folder) {
 
 bool hasDicomMark(const fs::path& path) {
   std::array<char, 132> head{};
-  std::error_code failed;  // what has no size, as in /proc, may wait for ever
+  std::error_code failed;  // files without a size, as in /proc, may block for ever
   if (const auto bytes = fs::file_size(path, failed); failed || bytes < head.size()) return false;
   std::ifstream(path, std::ios::binary).read(head.data(), head.size());
   return std::memcmp(head.data() + 128, "DICM", 4) == 0;

@@ -1,4 +1,4 @@
-// What files are by their names, without opening more than a few bytes of them.
+// Kinds of files by name, reading at most a few bytes of them.
 #pragma once
 
 #include <filesystem>
@@ -10,9 +10,9 @@
 
 namespace kerf::internal {
 
-/// Of a whole volume in a file, by its extension: NRRD, NIfTI or MetaImage.
+/// Format of a whole volume in a file, by its extension: NRRD, NIfTI or MetaImage.
 std::optional<VolumeFormat> fileFormat(const std::filesystem::path& path);
-/// Of a picture that may be a slice, by its extension: PNG, TIFF or BMP.
+/// Format of a picture that may be a slice, by its extension: PNG, TIFF or BMP.
 std::optional<VolumeFormat> sliceFormat(const std::filesystem::path& path);
 /// For people: "NRRD", "PNG slices".
 const char* nameOf(VolumeFormat format);

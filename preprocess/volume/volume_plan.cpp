@@ -172,7 +172,7 @@ Expected<VolumePlan> planFolder(const fs::path& folder, const LabelReadOptions& 
   return planDicom(folder, files, progress);
 }
 
-// Takes the spacing the caller gives, if it contradicts nothing the file says.
+// Uses the caller's spacing, if it does not contradict the file.
 Expected<void> takeGivenSpacing(const fs::path& path, const Vec3d& given, VolumePlan& plan) {
   for (int a = 0; a < 3; ++a)
     if (!isUsableSpacing(given[a]))

@@ -1,4 +1,4 @@
-// What will be read of a volume, found from headers alone: which files, and the grid they make.
+// Read plan of a volume, from headers alone: its files, and their grid.
 #pragma once
 
 #include <filesystem>
@@ -17,13 +17,14 @@ namespace kerf::internal {
 struct VolumePlan {
   VolumeFormat format = VolumeFormat::kNrrd;
   std::vector<std::filesystem::path> files;  ///< along the last axis; one: the whole volume
-  VolumeHeader header;                       ///< of each file
-  PackedValues packed{};                     ///< of a single file
-  ValueType stored_type = ValueType::kU8;    ///< of the packed values: not that of the header where ITK scales them
+  VolumeHeader header;                       ///< header of each file
+  PackedValues packed{};                     ///< values of a single file
+  ValueType stored_type = ValueType::kU8;    ///< type of the packed values; differs from the header where ITK scales
+                                             ///< them
   LabelVolume grid;                          ///< without labels
-  std::optional<Vec3d> stated_spacing{};     ///< mm, as the files state it for all axes
-  std::string unusable;                      ///< why there is no stated_spacing
-  /// Without stated_spacing, what the file says all the same, mm; not a number on the axes it says nothing of.
+  std::optional<Vec3d> stated_spacing{};     ///< mm, set if the files state it for all axes
+  std::string unusable;                      ///< reason for an empty stated_spacing
+  /// Spacing that the file states for some axes, for an empty stated_spacing, mm; NaN on the other axes.
   Vec3d known_spacing = Vec3d::Constant(std::numeric_limits<double>::quiet_NaN());
 };
 
@@ -31,20 +32,20 @@ struct VolumePlan {
 Expected<VolumePlan> planVolume(const std::filesystem::path& path, const LabelReadOptions& options,
                                 const Progress& progress);
 
-/// Sets the spacing of the plan's grid: the file's, or the one given where the file states none. Makes the directions
-/// unit vectors. Errors: kBadValue for a spacing that contradicts the file, or none, or an impossible grid.
+/// Sets the spacing of the plan's grid: the file's, or the given one if the file states none. Makes the directions unit
+/// vectors. Errors: kBadValue for a spacing that contradicts the file, or none, or an impossible grid.
 Expected<void> chooseSpacing(const std::filesystem::path& path, const LabelReadOptions& options, VolumePlan& plan);
 
 /// For one kind of folder each; called by planVolume().
 Expected<VolumePlan> planDicom(const std::filesystem::path& folder, const std::vector<std::filesystem::path>& files,
                                const Progress& progress);
 
-/// Refuses colours and vectors.
+/// Rejects colours and vectors.
 Expected<void> requireOneValue(const std::filesystem::path& path, const VolumeHeader& header);
 /// Gives the plan's grid the three axes of a header; drops axes of one voxel, trailing ones first.
 Expected<void> setGrid(const std::filesystem::path& path, const VolumeHeader& header, VolumePlan& plan);
 
-/// True for a number that can be the size of a voxel in mm.
+/// True for a possible voxel size in mm.
 bool isUsableSpacing(double spacing);
 /// "[0.2, 0.2, 0.5]".
 std::string textOf(const Vec3d& v);

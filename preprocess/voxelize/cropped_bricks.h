@@ -1,4 +1,4 @@
-// Some bricks of a grid, the rest as if never set.
+// Copy of a grid with only some bricks set.
 #pragma once
 
 #include <openvdb/openvdb.h>
@@ -9,8 +9,8 @@
 
 namespace kerf::internal {
 
-/// A grid with the bricks (8^3 nodes, by their first node) for which keep() is true: leaves as they are, and larger
-/// uniform places brick by brick, as tiles. Name, class, transform and metadata stay.
+/// A grid with the bricks (8^3 nodes, by their first node) for which keep() is true: leaves unchanged, and larger
+/// uniform regions brick by brick, as tiles. Name, class, transform and metadata stay.
 template <class Grid, class Keep>
 typename Grid::Ptr croppedBricks(const Grid& grid, const Keep& keep) {
   using Tree = typename Grid::TreeType;

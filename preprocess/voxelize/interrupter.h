@@ -10,13 +10,13 @@
 
 namespace kerf::internal {
 
-/// Forwards cancellation into the library's long loops, which ask from all threads. Only the thread that made this
-/// calls the progress callback. It takes part in every loop, so it learns of a cancellation in time.
+/// Forwards cancellation into the library's long loops, which poll from all threads. Only the constructing thread calls
+/// the progress callback. It takes part in every loop, so it learns of a cancellation in time.
 class Interrupter {
  public:
   explicit Interrupter(const Progress& progress) : progress_(progress) {}
 
-  /// Names what comes next; true to go on.
+  /// Names the next step; returns true to continue.
   bool step(double fraction, std::string_view what) {
     fraction_ = fraction;
     what_ = what;
@@ -25,7 +25,7 @@ class Interrupter {
   }
   bool isCancelled() const { return cancelled_; }
 
-  // What the library calls.
+  // Interface for the library.
   void start(const char* = nullptr) {}
   void end() {}
   bool wasInterrupted(int = -1) {

@@ -13,7 +13,7 @@ namespace {
 
 using openvdb::FloatGrid;
 
-// Lets OpenVDB read our mesh in place, in voxel units.
+// Lets OpenVDB read a Mesh in place, in voxel units.
 struct MeshAdapter {
   const Mesh& mesh;
   std::span<const std::uint32_t> triangles;

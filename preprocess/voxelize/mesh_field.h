@@ -13,8 +13,8 @@ struct Bands {
   float exterior = 3, interior = 4;
 };
 
-/// Distance to the solid, mm, negative inside, cavities included: each nesting level is made apart, since the library
-/// fills voids that its flood fill can not reach. Null when cancelled. Throws what OpenVDB throws.
+/// Distance to the solid, mm, negative inside, cavities included: builds each nesting level separately, since the
+/// library fills voids that its flood fill can not reach. Null when cancelled. Throws the exceptions of OpenVDB.
 /// @pre mesh closed, oriented, free of self-intersections; mm.
 openvdb::FloatGrid::Ptr meshField(const Mesh& solid, double voxel_mm, const Bands& bands, Interrupter& interrupter);
 

@@ -26,8 +26,8 @@ using Leaf = Int32Tree::LeafNodeType;
 // While painting, a label is the claim's place in the list plus one; 0 is no claim's.
 using Label = std::int32_t;
 
-// How far a label spreads into places that no claim covers, in voxels: gaps between parts, and the outer half of the
-// point shell. What is farther from every claim was forgotten rather than a gap, and is reported apart.
+// Spread of a label into places without a claim, in voxels: gaps between parts, and the outer half of the point shell.
+// Places farther from every claim count as forgotten, not as a gap.
 constexpr int kFillNodes = 8;
 
 Vec3d position(const Coord& c, double h) { return h * Vec3d(c.x(), c.y(), c.z()); }
@@ -70,7 +70,7 @@ Int32Tree::Ptr coverOf(const MaterialClaim& claim, Label label, const Mesh& soli
   return cover;
 }
 
-// Keeps of a cover what lies on the labels the claim may replace.
+// Restricts a cover to the labels that the claim may replace.
 void restrictTo(Int32Tree& cover, const Int32Tree& labels, std::span<const MaterialClaim> claims,
                 std::span<const Material> replaceable, Interrupter& interrupter) {
   cover.voxelizeActiveTiles();
@@ -86,7 +86,7 @@ void restrictTo(Int32Tree& cover, const Int32Tree& labels, std::span<const Mater
   });
 }
 
-// The most frequent label around a node, faces before edges before corners, then the earlier claim; 0 if there is none.
+// The most frequent label around a node, faces before edges before corners, then the earlier claim; 0 if none.
 Label mostFrequentNear(const openvdb::tree::ValueAccessor<const Int32Tree, false>& labels, const Coord& node) {
   Label best = 0;
   for (int distance = 1; distance <= 3 && best == 0; ++distance) {  // faces, edges, corners
@@ -137,8 +137,7 @@ std::size_t grow(Int32Tree& labels, Interrupter& interrupter) {
   return total;
 }
 
-// Volume per label, unclaimed at index 0. `inside_only` leaves out the outer half of the shell, which lies in no claim
-// by nature.
+// Volume per label, unclaimed at index 0. `inside_only` omits the outer half of the shell, which lies in no claim.
 std::vector<double> volumesOf(const Int32Tree& labels, const FloatGrid& phi, std::size_t claims, bool inside_only) {
   const double h = phi.voxelSize()[0];
   std::vector<const Leaf*> leaves;
@@ -165,7 +164,7 @@ std::vector<double> volumesOf(const Int32Tree& labels, const FloatGrid& phi, std
   return nodes;
 }
 
-// From the last claim to the first, each over what is there. False when cancelled.
+// Paints from the last claim to the first, each over the previous ones. False when cancelled.
 bool paintClaims(const Mesh& solid, double h, std::span<const MaterialClaim> claims, const BoolTree& domain,
                  Int32Tree& labels, Interrupter& interrupter) {
   for (std::size_t n = claims.size(); n-- > 0;) {

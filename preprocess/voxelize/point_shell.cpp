@@ -22,7 +22,7 @@ namespace pts = openvdb::points;
 using ShellLeaf = pts::PointDataTree::LeafNodeType;
 using PositionCodec = pts::FixedPointCodec<false, pts::PositionRange>;
 
-/// One leaf of the shell (null when the surface is not near) and what it adds to the sums.
+/// One leaf of the shell (null when the surface is not near) and its contribution to the sums.
 struct LeafShell {
   std::unique_ptr<ShellLeaf> leaf;
   std::uint64_t points = 0;

@@ -14,9 +14,9 @@ inline double smoothDelta(double phi, double e) {
   const double u = phi / e, w = 1 - u * u;
   return std::abs(u) < 1 ? w * w * 15 / (16 * e) : 0;
 }
-/// Share of a node's voxel that is inside: a ramp one voxel wide. Any step of half width e counts a curved surface's
-/// outside more than its inside: relative to a ball of radius r by 3 m (h / r)^2, where m is the second moment of the
-/// step's slope: h^2 / 12 here, 0.32 h^2 for the step whose slope is smoothDelta().
+/// Inner share of a node's voxel: a ramp one voxel wide. Any step of half width e counts a curved surface's outside
+/// more than its inside: relative to a ball of radius r by 3 m (h / r)^2, where m is the second moment of the step's
+/// slope: h^2 / 12 here, 0.32 h^2 for the step whose slope is smoothDelta().
 inline double insideFraction(double phi, double h) { return std::clamp(0.5 - phi / h, 0.0, 1.0); }
 
 }  // namespace kerf::internal

@@ -1,4 +1,4 @@
-// The union of solids by their distance fields: for parts that almost touch, where no exact union exists.
+// Union of solids by their distance fields, for parts that almost touch and have no exact union.
 #pragma once
 
 #include <span>
@@ -16,8 +16,8 @@ struct VoxelUnion {
 };
 
 /// Offsets the union of the parts outwards by one voxel and back (a morphological closing): sheets of air up to two
-/// voxels thick between parts vanish, everything else stays where it was to within a fraction of a voxel. Concave edges
-/// sharper than the voxel are rounded by it. Meshed by marching cubes.
+/// voxels thick between parts vanish, the rest moves by less than a fraction of a voxel. Rounds concave edges sharper
+/// than the voxel. Meshes by marching cubes.
 /// @pre every solid closed, oriented, free of self-intersections, mm.
 /// Deterministic; parallel inside. @cost three distance fields.
 Expected<VoxelUnion> voxelUnion(std::span<const Mesh> solids, double voxel_mm, const Progress& progress = {});

@@ -59,12 +59,12 @@ std::uint64_t estimateBakeBytes(const Mesh& solid, const VoxelizeOptions& option
   const double h = options.voxel_mm, area = surfaceArea(solid) / (h * h);
   const auto layers = [](const internal::Bands& b) { return static_cast<double>(b.exterior + b.interior) + 8; };
   const double field = area * layers(bandsOf(options)) * 26;
-  double most = 0;  // of what one claim needs for a while
+  double most = 0;  // peak temporary memory of one claim
   for (const MaterialClaim& claim : claims) {
     if (claim.solid) most = std::max(most, surfaceArea(*claim.solid) / (h * h) * layers({1, 1}) * 14);
     if (claim.depth) most = std::max(most, area * layers({1, static_cast<float>(claim.depth->depth_mm / h)}) * 18);
   }
-  // With claims the labels are written out voxel by voxel before uniform regions are merged again.
+  // With claims the labels exist voxel by voxel before uniform regions merge again.
   const double labels = claims.empty() ? 0 : std::max(0.0, signedVolume(solid)) / (h * h * h) * 4.2;
   return static_cast<std::uint64_t>(field + most + labels);
 }
@@ -80,7 +80,7 @@ Expected<void> checkVoxelSize(double voxel_mm) {
 
 namespace {
 
-// What to try where voxels of that size would fit into memory.
+// Hint for voxels of a size that fits into memory.
 std::string hintOfSize(double fits_mm, bool is_region, double across_mm) {
   constexpr double kLargestObject = 300;  // mm across: a skull
   if (is_region && fits_mm <= kLargestVoxel)
@@ -90,7 +90,7 @@ std::string hintOfSize(double fits_mm, bool is_region, double across_mm) {
   return fmt::format("--voxel {:.3f}", fits_mm) + (across_mm > kLargestObject ? ", or " + unit : "");
 }
 
-// Refuses voxels for which memory or OpenVDB's coordinates do not suffice.
+// Rejects voxels too small for the memory or for OpenVDB's coordinates.
 Expected<void> checkSize(const FineRegion* region, const Mesh& solid, const VoxelizeOptions& options,
                          std::span<const MaterialClaim> claims) {
   const double h = options.voxel_mm;
@@ -121,7 +121,7 @@ Expected<void> checkSize(const FineRegion* region, const Mesh& solid, const Voxe
   return {};
 }
 
-// Field, materials and shell, in this order. Throws what OpenVDB throws.
+// Field, materials and shell, in this order. Throws OpenVDB's exceptions.
 Expected<Anatomy> makeGrids(const FineRegion* region, const Mesh& solid, const VoxelizeOptions& options,
                             const Progress& progress, std::span<const MaterialClaim> claims) {
   openvdb::initialize();
@@ -169,7 +169,7 @@ Expected<Anatomy> makeGrids(const FineRegion* region, const Mesh& solid, const V
   return Anatomy(std::move(grids));
 }
 
-// With a region only its bricks are kept; the mesh has been clipped to a box around it.
+// With a region keeps only its bricks; the mesh is already clipped to a box around it.
 Expected<Anatomy> voxelizeIn(const FineRegion* region, const Mesh& solid, const VoxelizeOptions& options,
                              const Progress& progress, std::span<const MaterialClaim> claims) {
   KERF_CHECK(checkVoxelSize(options.voxel_mm));
@@ -188,7 +188,7 @@ Expected<Anatomy> voxelizeIn(const FineRegion* region, const Mesh& solid, const 
   }
 }
 
-// What of a closed mesh the fine region can depend on.
+// The part of a closed mesh that can affect the fine region.
 Expected<Mesh> partInBox(const Mesh& mesh, const Box3& box) {
   Expected<Mesh> part = clipToBox(mesh, box);
   if (part) return part;
@@ -211,8 +211,7 @@ Expected<Anatomy> voxelizeRegion(const Mesh& solid, const FineRegion& region, co
   fine.voxel_mm = region.voxel_mm;
   KERF_CHECK(checkVoxelSize(fine.voxel_mm));
 
-  // As far out as anything the region's bricks hold depends on: their own size, the bands, how deep depths reach, and
-  // the gaps between claims that are filled.
+  // Reach of all inputs of the region's bricks: their own size, the bands, the depths, and filled gaps between claims.
   const internal::Bands bands = bandsOf(fine);
   double reach = static_cast<double>(bands.exterior + bands.interior) * fine.voxel_mm;
   for (const MaterialClaim& claim : claims)
