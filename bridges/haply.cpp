@@ -1,12 +1,12 @@
 // kerf-bridge-haply [KERF-PORT [SERVICE-PORT]]: Haply Inverse3 through its service on this machine, JSON over a
-// WebSocket, for `kerf live --device bridge`. Never tried with the service or the device: by its public documents,
-// against a simulated service.
+// WebSocket, for `kerf live --device bridge`. Untested with the service and the device: written from public documents,
+// tested against a simulated service.
 //
 //   service ──state──▶ ┌────────┐ ──hand──▶ Kerf        one state for each command: the service answers
 //   service ◀─force─── │ bridge │ ◀─force── Kerf
 //
-// A command counts once and is forgotten: a bridge that was killed leaves no force behind. A service that does not
-// answer within 20 ms is told that there is no force, and so asked again.
+// A command counts once and is forgotten: a killed bridge leaves no force behind. If the service does not answer within
+// 20 ms, the bridge sends zero force, which also requests a new answer.
 #include <utility>  // before Boost.Asio 1.74, which forgets it
 
 #include <boost/asio/connect.hpp>
@@ -37,8 +37,7 @@ constexpr std::int64_t kNoWord = 5000 * kPeriod;   // since the call: then it ca
 constexpr std::int64_t kGoodbye = 100 * kPeriod;   // most time for the end
 constexpr std::size_t kLongestState = 1 << 20;     // bytes
 
-// One connection, without a wait: it reads and writes at the same time, so a silent service still hears that there is
-// no force.
+// One non-blocking connection: it reads and writes at the same time, so a silent service still hears zero force.
 class HaplyLine {
  public:
   explicit HaplyLine(std::uint16_t port) : stream_(context_) {
@@ -59,7 +58,7 @@ class HaplyLine {
   bool isOpen() const { return !error_; }
   bool isConnected() const { return isOpen() && is_connected_; }
   bool canWrite() const { return isOpen() && !is_waiting_; }
-  /// Until something happens, or the time is over; some microseconds at least, without which nothing is looked for.
+  /// Waits for an event or the end of the time; at least some microseconds, since it polls only then.
   void wait(std::int64_t ns) {
     context_.restart();
     context_.run_one_for(std::chrono::nanoseconds(std::max(ns, kLeastWait)));
@@ -131,7 +130,7 @@ class HaplyLine {
 };
 
 // From a call to the end of the connection. The service speaks first; then it answers each command.
-// @return  it has said something.
+// @return  true if it has sent anything.
 bool talk(std::uint16_t port, KerfLink& kerf) {
   HaplyLine line(port);
   const std::int64_t began = clockNow();

@@ -10,7 +10,7 @@ constexpr double kFarthest = 10;  // m
 constexpr int kDeepest = 32;
 constexpr std::size_t kLongestId = 64;
 
-// Null: it is not there, or something else.
+// Null: missing, or another type.
 const Json* find(const Json& of, const char* key) {
   if (!of.is_object()) return nullptr;
   const auto at = of.find(key);

@@ -8,14 +8,14 @@
 
 namespace bridge {
 
-/// What the service has told. Later states are partial: values that they leave out stay.
+/// State from the service. Later states are partial: missing values stay.
 struct HaplyState {
   std::string id;  ///< of the first arm; empty: there is none
   Hand hand{.most_force = 8};
 };
 enum class HaplyNews {
-  kPlace,      ///< the place of the arm
-  kOther,      ///< no place in it
+  kPlace,      ///< has the place of the arm
+  kOther,      ///< without a place
   kMalformed,  ///< no JSON, or numbers out of range: `state` keeps its value
 };
 /// Never throws; text of any length, nested at most 32 deep.

@@ -60,7 +60,7 @@ class KerfLink {
     return socket_ >= 0 && ::connect(socket_, reinterpret_cast<const sockaddr*>(&kerf), sizeof kerf) == 0;
   }
 
-  /// Sends the hand. A datagram that is lost, or that nobody takes, is no error.
+  /// Sends the hand. A lost or unreceived datagram is no error.
   void say(const Hand& hand) {
     HandFrame frame;
     frame.number = ++number_;

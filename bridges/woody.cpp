@@ -1,5 +1,5 @@
-// kerf-bridge-woody NODE [KERF-PORT]: a WoodenHaptics arm, or the first Polhem, for `kerf live --device bridge`. Never
-// tried on hardware: reports and lines are those that the projects published.
+// kerf-bridge-woody NODE [KERF-PORT]: a WoodenHaptics arm, or the first Polhem, for `kerf live --device bridge`.
+// Untested on hardware: reports and lines are those that the projects published.
 //
 // NODE /dev/hidrawN, 1234:0006 by 14 bytes, or by a Teensy as raw HID, 16c0:0486, by 64, the rest zero:
 //
@@ -38,7 +38,7 @@ namespace bridge {
 namespace {
 
 constexpr std::int64_t kMs = 1'000'000;         // ns
-constexpr std::int64_t kAnswerBy = 20 * kMs;    // then a serial arm is asked again
+constexpr std::int64_t kAnswerBy = 20 * kMs;    // then the bridge asks a serial arm again
 constexpr std::int64_t kOldReport = 100 * kMs;  // a report this long after the command is newer than the command
 constexpr std::int64_t kNotReady = 1500 * kMs;  // after Enter: Kerf's window disarms after 1 s
 constexpr int kGoodbyeMs = 50;                  // most wait for a full serial port at the end
@@ -67,7 +67,7 @@ class Woody {
   const std::size_t size_;  // of HID reports
   const WoodyModel model_;
 
-  Counts counts_{}, zero_{};  // zero_: of a serial arm, what its encoders say at home, less model_.home
+  Counts counts_{}, zero_{};  // zero_: for a serial arm, its encoders at home, less model_.home
   WoodyPose pose_;
   Hand hand_{.is_ready = false, .most_force = 5};
   bool has_news_ = false, has_answer_ = true, is_fine_ = true, has_warned_ = false;
@@ -78,7 +78,7 @@ class Woody {
   SerialWriter writer_{fd_};
 };
 
-// Of a terminal: reading it would fail.
+// In the background of a terminal: reading it would fail.
 bool isInBackground() {
   const pid_t front = ::tcgetpgrp(STDIN_FILENO);  // -1: not its terminal
   return front >= 0 && front != ::getpgrp();
@@ -111,7 +111,7 @@ int Woody::exchange(KerfLink& kerf) {
     has_answer_ = false;
     is_there = send(hand_.is_ready ? woodyCurrents(pose_, kerf.force()) : Vec3{});
   }
-  // Twice: the line before it may have been taken in part.
+  // Twice: the arm may have taken the previous line in part.
   for (int n = 0; n < 2; ++n) {
     pollfd room{fd_, POLLOUT, 0};
     if (is_serial_) ::poll(&room, 1, kGoodbyeMs);
@@ -121,7 +121,7 @@ int Woody::exchange(KerfLink& kerf) {
   return is_there ? 0 : 1;
 }
 
-// False: it is gone.
+// False: the arm is gone.
 bool Woody::receive() {
   std::array<unsigned char, 256> bytes{};
   pollfd waits{fd_, POLLIN, 0};
@@ -198,7 +198,7 @@ void Woody::moved() {
   has_news_ = true;
 }
 
-// A serial arm is at home where it stands at its next line; one on HID sets its encoders.
+// A serial arm's home is its place at the next line; one on HID sets its encoders.
 void Woody::sendHome() {
   is_calibrated_ = is_home_ = hand_.is_ready = false;
   home_sent_ = clockNow();
@@ -222,7 +222,7 @@ void Woody::askHome() {
                                   "Enter again\n");
 }
 
-// False: it is gone.
+// False: the arm is gone.
 bool Woody::send(const Vec3& currents) {
   if (is_serial_) {
     char line[64];
@@ -239,7 +239,7 @@ bool Woody::send(const Vec3& currents) {
   return write(report.data(), 1 + size_);
 }
 
-// A full buffer is no end: the arm's own watchdog counts then.
+// A full buffer is no error: the arm's own watchdog counts then.
 bool Woody::write(const void* bytes, std::size_t size) {
   if (is_serial_) return writer_.write({static_cast<const char*>(bytes), size});
   return ::write(fd_, bytes, size) >= 0 || errno == EAGAIN || errno == EINTR;

@@ -30,7 +30,7 @@ void sleepTo(std::int64_t when) {
 
 std::int64_t nanoseconds(const timespec& t) { return std::int64_t{t.tv_sec} * 1'000'000'000 + t.tv_nsec; }
 
-// A datagram and when it came, deviceClock(); by the system's stamp, which is of the other clock.
+// A datagram and its arrival, deviceClock(); from the system's stamp, which uses the other clock.
 struct Datagram {
   std::array<std::uint8_t, 256> bytes{};
   std::size_t size = 0;
@@ -87,7 +87,7 @@ struct ArmSimulator::State {
   ArmReport now_report;
 
   mutable std::mutex mutex;
-  ArmReport told;              // guarded by mutex, as the next
+  ArmReport told;              // guarded by mutex, like the next
   TimeHistogram ages, jitter;  // of enabled forces
   std::thread thread;
 };

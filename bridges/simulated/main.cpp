@@ -1,6 +1,6 @@
-// kerf-bridge-simulated: an arm to try where none is at hand, for `kerf live --device bridge` and the window.
+// kerf-bridge-simulated: an arm for tests without hardware, for `kerf live --device bridge` and the window.
 //
-// Mass, damping, friction, encoder and delay are those of the options. A hand that follows a path holds it.
+// Options set mass, damping, friction, encoder and delay. A hand that follows a path holds it.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -36,7 +36,7 @@ struct Arguments {
   bool json = false;
 };
 
-// A hand that comes down, presses for some seconds while it goes round a small circle, and lifts again.
+// A hand that comes down, presses for some seconds on a small circle, and lifts again.
 CutPath ownPath() {
   CutPath out;
   const auto go = [&](double t, const Vec3d& p, bool cuts) {

@@ -1,4 +1,4 @@
-// From a name to an open force-feedback arm.
+// Opens a force-feedback arm by name.
 #pragma once
 
 #include <memory>
@@ -17,22 +17,22 @@ struct OpenedArm {
 
 inline constexpr std::uint16_t kBridgePort = 4417;
 
-/// A name of a bridge or a recording, not of a HID device. Such arms are not listed.
+/// True for names of a bridge or a recording, not of a HID device. Such arms are not listed.
 bool namesTransport(const std::string& name);
 
 /// @param name  "bridge" (port kBridgePort), "bridge:PORT", "udp:PORT"; "replay:FILE", a recording; else path or serial
 /// number of an arm on HID.
-/// @param start  of the tool, world: there the hand finds it.
-/// @param listener  of its messages; a recording has none.
-/// Errors: kBadValue: a name that is none; those of opening.
+/// @param start  pose of the tool, world, where the hand begins.
+/// @param listener  gets the arm's messages; a recording has none.
+/// Errors: kBadValue: no valid name; those of opening.
 Expected<OpenedArm> openArm(const std::string& name, const ArmSettings& settings, const Rigid3& start = {},
                             ArmListener listener = {});
 
-/// The profile of a device as it says it is: of one that gives torque, and of whose turning nothing is known, light in
+/// The profile, completed by the device's report. A device that gives torque, with unknown inertia, counts as light in
 /// turning, so that its coupling is soft.
 DeviceProfile withTurning(DeviceProfile profile, const HandFrame& hand);
 
-/// What a name may be, for help texts.
+/// Valid names, for help texts.
 inline constexpr const char* kArmNames =
     "bridge, bridge:PORT, replay:FILE, or path or serial number of an arm that kerf devices lists";
 

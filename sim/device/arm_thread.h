@@ -1,4 +1,4 @@
-// What every transport of an arm has: a thread of its own that waits for the device, and what that thread tells others.
+// Common part of every arm transport: a thread that waits for the device, and its published data.
 #pragma once
 
 #include <atomic>
@@ -12,20 +12,20 @@
 
 namespace kerf::internal {
 
-/// @thread  start() and stop(): who owns it. Of `counts` any thread, while it holds `mutex`.
+/// @thread  start() and stop(): the owner. `counts`: any thread, while it holds `mutex`.
 class ArmThread {
  public:
-  /// @param run  ends soon after isStopping().   @param file, place  of the error.
+  /// @param run  must end soon after isStopping().   @param file, place  of the error.
   /// Error kBadValue: the system gives no thread.
   Expected<void> start(std::function<void()> run, std::string file, std::string place);
   bool isStopping() const noexcept { return is_stopping_.load(std::memory_order_acquire); }
-  /// Waits until it has ended.
+  /// Waits until the thread has ended.
   void stop();
 
   /// A copy, with is_talking by the age of the newest hand.
   ArmCounts told() const;
 
-  /// Of the arm, set before start().
+  /// The arm's; set before start().
   ArmListener listener;
   /// @thread  the arm's, without `mutex`.
   void tell(std::int64_t came_ns, std::span<const std::uint8_t> message) const {

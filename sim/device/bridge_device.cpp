@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::int64_t kMs = 1'000'000;         // ns
 constexpr std::int64_t kPeerGone = 1000 * kMs;  // then another sender may talk
-constexpr std::int64_t kSendAgain = 5 * kMs;    // when there is nothing new to say
+constexpr std::int64_t kSendAgain = 5 * kMs;    // between frames without news
 
 bool isSame(const sockaddr_in& a, const sockaddr_in& b) {
   return a.sin_addr.s_addr == b.sin_addr.s_addr && a.sin_port == b.sin_port;
@@ -96,7 +96,7 @@ void BridgeDevice::State::exchange() {
   for (int n = 0; n < 3; ++n) send(last);  // one may be lost
 }
 
-// All that waits; the newest is published.
+// Drains all datagrams and publishes the newest.
 void BridgeDevice::State::receive() {
   constexpr int kMost = 256;
   std::array<std::uint8_t, 512> bytes{};

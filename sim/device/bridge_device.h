@@ -1,6 +1,6 @@
-// A force-feedback device behind a bridge: datagrams over loopback, at both ends no force without news. Off unless a
-// program makes one; it binds 127.0.0.1 alone, so nothing from another machine reaches it. What is done with a hand and
-// a force: force_arm.h.
+// A force-feedback device behind a bridge: datagrams over loopback; without news both ends give no force. Off unless a
+// program makes one. It binds 127.0.0.1 alone, so nothing from another machine reaches it. Use of hand and force:
+// force_arm.h.
 //
 //   bridge ──hand frame──▶ ┌────────┐ ──newest──▶ ForceArm
 //   bridge ◀─force frame── │ thread │ ◀─newest─── ForceArm
@@ -18,22 +18,21 @@ namespace kerf {
 
 struct BridgeOptions {
   std::uint16_t port = 0;  ///< of 127.0.0.1; 0: the system chooses, see BridgeDevice::port()
-  ForceLimits limits{};    ///< as ArmSettings, as are the next and the last
+  ForceLimits limits{};    ///< as in ArmSettings, like the next and the last
   WorkspaceMap map{};
-  Rigid3 start{};  ///< of the tool, world: there the hand finds it
+  Rigid3 start{};  ///< pose of the tool, world, where the hand begins
   bool pedal_is_down = false;
 };
 
-/// "udp:PORT", "udp:localhost:PORT", "udp:127.0.0.1:PORT": the port. Error kBadValue: anything else; other hosts are
-/// refused.
+/// "udp:PORT", "udp:localhost:PORT", "udp:127.0.0.1:PORT": the port. Error kBadValue: anything else, also other hosts.
 Expected<std::uint16_t> parseBridgeAddress(const std::string& text);
 
 class BridgeDevice final : public ForceArm {
  public:
   /// Errors: kUnreadable: the port is taken; kBadValue: no thread.
-  /// @param listener  not told of what is too old or from another sender.
+  /// @param listener  not called for datagrams that are too old or from another sender.
   static Expected<std::unique_ptr<BridgeDevice>> open(const BridgeOptions& options, ArmListener listener = {});
-  /// Says zero and not enabled.
+  /// Sends zero force, not enabled.
   ~BridgeDevice() override;
 
   std::uint16_t port() const noexcept;

@@ -44,7 +44,7 @@ struct AxesDriver {
 
 /// Reads the hand of a force-feedback arm from one message: a HID report or a datagram. Units: device_frame.h. @rt
 /// safe.
-/// @return  anything but kNone: the message is refused, `hand` keeps its value.
+/// @return  anything but kNone: the message is invalid, `hand` keeps its value.
 using TakeHand = FrameFault(std::span<const std::uint8_t> message, HandFrame& hand) noexcept;
 
 inline constexpr std::size_t kLongestArmReport = 65;  ///< bytes to write, the report's number first
@@ -62,7 +62,7 @@ struct DeviceDriver {
   const char* people;  ///< its purpose, for people
   /// Name of the device for people; null if the driver does not match.
   const char* (&nameOf)(const HidInfo& info);
-  const AxesDriver* axes;  ///< one of the two; null: it is the other kind
+  const AxesDriver* axes;  ///< one of the two; null for the other kind
   const ArmDriver* arm;
 };
 
@@ -71,7 +71,7 @@ std::span<const DeviceDriver* const> deviceDrivers();
 const DeviceDriver* driverOf(const HidInfo& info);
 /// By its id. Null if there is none.
 const DeviceDriver* findDriver(std::string_view id);
-/// @param language  id of an arm's driver, or "bridge". Null if it is neither.
+/// @param language  id of an arm's driver, or "bridge". Null for any other.
 TakeHand* findTakeHand(std::string_view language);
 
 /// Reads a report with the driver, counts it, keeps its time. @rt safe.   @pre driver.axes

@@ -50,7 +50,7 @@ class Reader {
   Vec3d vector(double scale) noexcept {
     const double x = number(), y = number(), z = number();
     const Vec3d scaled = scale * Vec3d(x, y, z);
-    is_finite_ = is_finite_ && scaled.allFinite();  // a number that is all but too large may not be in mm
+    is_finite_ = is_finite_ && scaled.allFinite();  // a huge number may overflow in mm
     return scaled;
   }
   bool isFinite() const noexcept { return is_finite_; }

@@ -113,7 +113,7 @@ Expected<RecordedReport> parseReport(Lines& lines, std::int64_t not_before) {
   return out;
 }
 
-// One more ns than recorded: a time of zero means that nothing has come.
+// One ns more than recorded: a time of zero means no data.
 std::int64_t clockOf(const RecordedReport& report) { return 1000 * report.time_us + 1; }
 
 }  // namespace

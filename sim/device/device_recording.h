@@ -1,4 +1,4 @@
-// What a device has sent, report by report, as a text file: to look at again, and to send to who has no such device.
+// A device's reports as a text file, for replay and bug reports.
 //
 //   kerf-device 1
 //   driver spacemouse
@@ -9,8 +9,8 @@
 // A line of a report: time since the first one, us; interface; bytes, hexadecimal. Times never go back. A line that
 // begins with # is a comment. Read strictly.
 //
-// The driver of a force-feedback arm is a driver of HID or "bridge"; its reports are the messages that came: reports or
-// datagrams. The forces that it was sent are not kept.
+// The driver of a force-feedback arm is a HID driver or "bridge"; its reports are the received messages: reports or
+// datagrams. Forces to the arm are not recorded.
 #pragma once
 
 #include <filesystem>
@@ -35,22 +35,22 @@ struct DeviceRecording {
   static constexpr std::size_t kLongestReport = 1 << 16;                     ///< bytes
   static constexpr std::size_t kLargestFile = 256 << 20;                     ///< bytes: 20 minutes of an arm
 
-  const DeviceDriver* driver = nullptr;  ///< of a device with axes; null: it is an arm
-  std::string arm;                       ///< language of its messages, as findTakeHand() takes it; empty: no arm
+  const DeviceDriver* driver = nullptr;  ///< for a device with axes; null: an arm
+  std::string arm;                       ///< language of an arm's messages, for findTakeHand(); empty: no arm
   std::string device;                    ///< "046d:c626 SpaceNavigator"
   std::vector<RecordedReport> reports;
 };
 
 /// @param file  for errors: path as the user gave it.
-/// Errors: kBadFormat with the line; kUnsupported: a later version, or a driver that is not known.
+/// Errors: kBadFormat with the line; kUnsupported: a later version, or an unknown driver.
 Expected<DeviceRecording> parseRecording(std::string_view text, const std::string& file = {});
 /// Errors: as parseRecording(); kNotFound, kUnreadable.
 Expected<DeviceRecording> readRecording(const std::filesystem::path& file);
-/// Written beside, synced, renamed.
+/// Writes a temporary file beside it, syncs, renames.
 Expected<void> writeRecording(const std::filesystem::path& file, const DeviceRecording& recording);
 
-/// The readings after each report, by the driver of the recording. Reports of all interfaces are taken.
-/// None of an arm.
+/// The readings after each report, by the driver of the recording. Takes reports of all interfaces.
+/// None for an arm.
 std::vector<DeviceReading> replayRecording(const DeviceRecording& recording);
 
 struct RecordedHand {
@@ -59,21 +59,21 @@ struct RecordedHand {
 };
 struct RecordedHands {
   std::vector<RecordedHand> hands;
-  std::uint64_t refused = 0;  ///< messages that were malformed
+  std::uint64_t refused = 0;  ///< malformed messages
 };
-/// The hands of an arm, as its transport gave them when they were recorded. None of anything else.
+/// The hands of an arm, as its transport gave them during the recording. None for other devices.
 RecordedHands replayHands(const DeviceRecording& recording);
 
-/// Reports as they come, until the file that they will be is as large as one may be. One thread at a time.
+/// Collects reports until the file would reach its largest size. One thread at a time.
 class DeviceTape {
  public:
-  /// @param keeps_reports  else only how far apart they come.
+  /// @param keeps_reports  false: only measures gaps.
   explicit DeviceTape(DeviceRecording head, bool keeps_reports = true)
       : recording_(std::move(head)), keeps_reports_(keeps_reports) {}
-  /// What cannot be recorded, longer than kLongestReport or behind the end of a full file, is counted alone.
+  /// Only counts reports that are longer than kLongestReport or exceed the file's size.
   void add(std::int64_t time_ns, int interface, std::span<const std::uint8_t> report);
   std::uint64_t lost() const { return lost_; }
-  /// From each to the next, of all of them.
+  /// Time between reports, over all of them.
   const TimeHistogram& gaps() const { return gaps_; }
   const DeviceRecording& recording() const { return recording_; }
 

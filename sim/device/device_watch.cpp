@@ -15,7 +15,7 @@ struct DeviceWatch::State {
   std::chrono::milliseconds every{};
   mutable std::mutex mutex;
   std::condition_variable ended;
-  bool is_stopping = false;  // guarded by mutex, as the next two
+  bool is_stopping = false;  // guarded by mutex, like the next two
   std::shared_ptr<HidDevice> device;
   std::string trouble;
   std::thread thread;
@@ -27,7 +27,7 @@ void DeviceWatch::State::watch() {
     if (!device || !device->isConnected()) {
       std::shared_ptr<HidDevice> gone = std::move(device);
       lock.unlock();
-      gone.reset();  // its threads end: without the lock
+      gone.reset();  // ends its threads: without the lock
       look();
       lock.lock();
     }

@@ -1,4 +1,4 @@
-// Looks for a device with axes until there is one, opens it, and begins anew when it is unplugged.
+// Searches for a device with axes, opens it, and searches again when it is unplugged.
 #pragma once
 
 #include <memory>
@@ -8,19 +8,18 @@
 
 namespace kerf {
 
-/// A thread of its own lists devices, once a second as long as none is open.
+/// A thread of its own lists devices once a second while none is open.
 class DeviceWatch {
  public:
-  /// @param name  as chooseDevice(): of several without a name none is opened, and trouble() lists them.
+  /// @param name  as in chooseDevice(): of several without a name none is opened, and trouble() lists them.
   explicit DeviceWatch(std::string name = {}, int every_ms = 1000);
   ~DeviceWatch();
   DeviceWatch(const DeviceWatch&) = delete;
   DeviceWatch& operator=(const DeviceWatch&) = delete;
 
-  /// The device that is open now; null: none. Who keeps it may go on asking it after it is unplugged. One thread, not
-  /// the 1 kHz one.
+  /// The open device; null: none. A caller may keep and read it after it is unplugged. One thread, not the 1 kHz one.
   std::shared_ptr<HidDevice> device() const;
-  /// What is wrong with a device that is there but does not open, one sentence; empty: nothing.
+  /// Fault of a device that is present but does not open, one sentence; empty: none.
   std::string trouble() const;
 
  private:

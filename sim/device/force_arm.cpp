@@ -12,7 +12,7 @@ namespace {
 constexpr std::int64_t kNsOfMs = 1'000'000;  // ns
 constexpr std::int64_t kDeadManNs = 20 * kNsOfMs;
 static_assert(kDeadManNs == static_cast<std::int64_t>(1e9 * ForceArm::kDeadMan));
-constexpr double kJump = 5;  // mm from frame to frame: no hand, a device that was set anew
+constexpr double kJump = 5;  // mm from frame to frame: not a hand, the device was repositioned
 constexpr std::uint32_t kPedal = 1, kClutch = 2;
 constexpr std::uint64_t kAgesEvery = 100;
 constexpr double kTorqueRate = 20;  // of the most torque, 1/s: all of it within 50 ms
@@ -75,7 +75,7 @@ bool ForceArm::isUsable(const ArmLink::Hand& hand, std::int64_t now) const noexc
   return is_armed_ && hand.came_ns != 0 && now - hand.came_ns <= kDeadManNs && hand.frame.is_ready;
 }
 
-// Another turn or scale: the tool stays, and the hand takes it along from there.
+// After another turn or scale the tool stays, and the hand moves it from there.
 void ForceArm::takeSettings() noexcept {
   if (!settings_.update()) return;
   const bool is_alike = now_.map.isAlike(settings_.front().map);
@@ -92,7 +92,7 @@ DeviceSample ForceArm::read() noexcept {
   const std::int64_t now = deviceClock();
   felt_now_.is_valid = isUsable(newest, now);
 
-  // After a stall of this thread the device has no force: it fades in again, however far the hand went meanwhile.
+  // After a stall of this thread the device has no force. It fades in again, however far the hand went meanwhile.
   if (wrote_ != 0 && now - wrote_ > kDeadManNs) {
     guard_.disarm();
     torque_guard_.disarm();
@@ -106,7 +106,7 @@ DeviceSample ForceArm::read() noexcept {
     return sample_;
   }
 
-  // A hand that has just come, one that leapt, one that holds the clutch: it takes the tool where the tool is.
+  // A new hand, one that leapt, one that holds the clutch: it takes the tool at the tool's place.
   const bool has_leapt = has_met_ && (newest.frame.pose.translation - hand_.pose.translation).norm() > kJump;
   const bool is_clutched = newest.frame.buttons & kClutch;
   hand_ = newest.frame;
@@ -159,7 +159,7 @@ Vec3d ForceArm::testNow() noexcept {
 
 void ForceArm::write(const DeviceForce& force) noexcept {
   const Vec3d wanted = map_.toDevice(force.force) + testNow();
-  if (!guard_.isArmed()) test_left_ = 0;  // it does not wait for a person to arm
+  if (!guard_.isArmed()) test_left_ = 0;  // a test does not wait for a person to arm
   ArmLink::Wish& wish = link_.wishes.back();
   wish.force = guard_.pass(wanted, kTick);
   wish.torque = torque_guard_.pass(map_.toDevice(force.torque), kTick);

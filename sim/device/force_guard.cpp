@@ -32,7 +32,7 @@ Vec3d ForceGuard::pass(const Vec3d& wanted, double dt) noexcept {
     is_clamped_ = true;
   }
 
-  // Free is the way towards zero along the force that is there; what grows from it is bound in rate.
+  // A decrease towards zero along the current force is free; the increase is limited in rate.
   const double old = last_.squaredNorm();
   const Vec3d nearer = old > 0 ? Vec3d(std::clamp(force.dot(last_) / old, 0.0, 1.0) * last_) : last_;
   Vec3d change = force - nearer;

@@ -1,4 +1,4 @@
-// What stands between a force that was computed and the motors of a device.
+// Limits a computed force before it reaches the motors of a device.
 #pragma once
 
 #include <algorithm>
@@ -8,12 +8,12 @@
 namespace kerf {
 
 struct ForceLimits {
-  double force = 3;     ///< N, most of a force; its direction is kept
-  double rate = 500;    ///< N/s: no faster change, but towards zero along the force that is there, which is at once
+  double force = 3;     ///< N, largest force; its direction is kept
+  double rate = 500;    ///< N/s: fastest change. Exception: a decrease along the current force is immediate
   double ramp_s = 0.5;  ///< after arm() the force fades in over this long
 };
 
-/// Of forces, or of torques in N mm. Disarmed at first: zero. A force that is not finite disarms it, until arm() is
+/// For forces, or for torques in N mm. Disarmed at first: zero. A force that is not finite disarms it, until arm() is
 /// called again. @rt safe, one thread.
 class ForceGuard {
  public:
@@ -23,20 +23,20 @@ class ForceGuard {
   /// Zero from now on, without a ramp.
   void disarm() noexcept;
   bool isArmed() const noexcept { return is_armed_; }
-  /// It was disarmed by a force that was not finite.
+  /// A force that was not finite disarmed it.
   bool hasFault() const noexcept { return has_fault_; }
   void forgetFault() noexcept { has_fault_ = false; }
-  /// As after a force that was not finite.
+  /// The same effect as a force that is not finite.
   void fail() noexcept {
     disarm();
     has_fault_ = true;
   }
   /// Share of the fading-in, 0 to 1; 0: not armed.
   double ramp() const noexcept { return is_armed_ ? std::min(1.0, armed_for_ / limits_.ramp_s) : 0; }
-  /// The last force was bound in size or in rate.
+  /// The last force was limited in size or in rate.
   bool isClamped() const noexcept { return is_armed_ && is_clamped_; }
 
-  /// @param wanted  N.   @param dt  since the last call, s.   @return  what the device may be given.
+  /// @param wanted  N.   @param dt  since the last call, s.   @return  the allowed force.
   Vec3d pass(const Vec3d& wanted, double dt) noexcept;
 
  private:

@@ -12,7 +12,7 @@
 namespace kerf {
 namespace {
 
-constexpr std::int64_t kReportAgain = 5'000'000;  // ns without anything new: an arm in lock-step waits for a report
+constexpr std::int64_t kReportAgain = 5'000'000;  // ns without news: an arm in lock-step waits for a report
 
 }  // namespace
 
@@ -24,7 +24,7 @@ struct HidArm::State {
   bool write(const ForceFrame& force);
 
   const FoundDevice what;
-  std::optional<HidPort> port;  // none: it was unplugged
+  std::optional<HidPort> port;  // null: unplugged
   HidArm* arm = nullptr;
 
   // The thread alone.
@@ -44,12 +44,12 @@ void HidArm::State::exchange() {
   }
   for (int n = 0; n < 2; ++n) write({});
 
-  // As long as a process has the node of an unplugged arm open, the arm comes back at another node.
+  // While a process has the node of an unplugged arm open, the arm comes back at another node.
   if (!thread.isStopping()) port.reset();
 }
 
 // Reads until no report waits; a millisecond for the first one. An arm that sends faster than this thread reads must
-// not delay the force. False: it is gone.
+// not delay the force. False: the arm is gone.
 bool HidArm::State::receive() {
   constexpr int kMost = 64;                     // reports that the system keeps
   constexpr std::int64_t kLongest = 3'000'000;  // ns

@@ -3,9 +3,9 @@
 //   arm ──report──▶ ┌────────┐ ──newest hand──▶ ForceArm
 //   arm ◀─report─── │ thread │ ◀─newest force── ForceArm
 //
-// One thread for both ways, in lock-step as these arms are: it drains reports to the newest, then writes the force,
-// each millisecond. A stuck write also keeps hands from coming: the haptic thread then sees none after 20 ms, and the
-// deadline of the last report ends the force in the arm.
+// One thread for both ways, in lock-step like these arms: each millisecond it drains reports to the newest, then writes
+// the force. A stuck write also stops hands: the haptic thread then sees none after 20 ms, and the deadline of the last
+// report ends the force in the arm.
 #pragma once
 
 #include <memory>
@@ -21,7 +21,7 @@ class HidArm final : public ForceArm {
   /// Errors: those of HidPort::open(); kBadValue: no thread.   @pre  found.isArm()
   static Expected<std::unique_ptr<HidArm>> open(const FoundDevice& found, const ArmSettings& settings,
                                                 const Rigid3& start = {}, ArmListener listener = {});
-  /// Writes no force.
+  /// Writes a zero force.
   ~HidArm() override;
 
   std::string what() const override;

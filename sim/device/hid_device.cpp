@@ -24,7 +24,7 @@ struct HidDevice::State {
 
   const FoundDevice what;
   const Listener listener;
-  std::vector<HidPort> ports;  // as what.interfaces
+  std::vector<HidPort> ports;  // parallel to what.interfaces
 
   // The reader's.
   DeviceReading newest;
@@ -41,9 +41,9 @@ struct HidDevice::State {
   std::thread reader, writer;
 };
 
-// Waits for the interface that counts, looks whether another one has something.
+// Waits for the interface that counts, and polls the others.
 void HidDevice::State::readAll() {
-  constexpr int kWait = 5;  // ms: so long the end of the thread may take
+  constexpr int kWait = 5;  // ms: longest delay of the thread's end
   while (!is_stopping.load(std::memory_order_acquire)) {
     bool is_there = true;
     for (std::size_t n = 0; n < ports.size() && is_there; ++n) is_there = drain(n, n == chosen ? kWait : 0);
@@ -57,9 +57,9 @@ void HidDevice::State::readAll() {
   }
 }
 
-// Until nothing waits any more. False: it is gone.
+// Reads until nothing waits. False: the device is gone.
 bool HidDevice::State::drain(std::size_t n, int wait_ms) {
-  // A device that talks faster than it is read must not keep the thread here.
+  // Limit for a device that sends faster than this thread reads.
   constexpr int kMost = 256;
   std::array<std::uint8_t, HidPort::kLongestReport> bytes{};
   bool has_news = false;
@@ -107,7 +107,7 @@ void HidDevice::State::writeWishes() {
   }
 }
 
-// The writer first, which may still put the light out.
+// Writer first: it may still put the light out.
 void HidDevice::State::stop() {
   {
     const std::lock_guard lock(mutex);

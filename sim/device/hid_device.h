@@ -1,10 +1,10 @@
-// An open HID device: a thread that reads, one that writes, and the newest reading for whoever asks.
+// An open HID device: a thread that reads, one that writes, and the newest reading.
 //
 //   interfaces ──reports──▶ reader ──newest reading──▶ update(), reading()
 //   interfaces ◀───────────  writer ◀──newest wish──── light()
 //
 // Two threads, since a write to a device in trouble may take a second, and its reports must not wait for that. Reports
-// are drained to the newest: the system keeps 64, and who reads them one a frame lags by seconds.
+// are drained to the newest: the system keeps 64, so reading one a frame would lag by seconds.
 #pragma once
 
 #include <functional>
@@ -16,11 +16,11 @@ namespace kerf {
 
 class HidDevice {
  public:
-  /// Told of each report by the reader's thread, before it is taken.
+  /// The reader's thread calls it with each report, before taking it.
   using Listener = std::function<void(std::int64_t time_ns, int interface, std::span<const std::uint8_t> report)>;
 
-  /// Opens all interfaces, lights the device and starts the threads. Of a receiver with several interfaces the one that
-  /// moves counts; another one takes its place when it moves and the first has been silent for kSilence.
+  /// Opens all interfaces, lights the device and starts the threads. On a receiver with several interfaces the moving
+  /// one counts; another one takes its place when it moves and the first has been silent for kSilence.
   /// Errors: those of HidPort::open().   @pre  found.driver->axes
   static Expected<std::unique_ptr<HidDevice>> open(const FoundDevice& found, Listener listener = {});
   /// Puts the light out.
@@ -29,12 +29,12 @@ class HidDevice {
   HidDevice& operator=(const HidDevice&) = delete;
 
   const FoundDevice& what() const noexcept;
-  /// False: it was unplugged, and will not come back; its axes are at rest. Any thread. @rt safe
+  /// False: unplugged for good; its axes are at rest. Any thread. @rt safe
   bool isConnected() const noexcept;
   /// Fetches the newest reading; false: none since the last call. For one thread. @rt safe
   bool update() noexcept;
   const DeviceReading& reading() const noexcept;
-  /// The axes as they count now, axesAt(); zero once unplugged. The same thread. @rt safe
+  /// The current axes, axesAt(); zero once unplugged. The same thread. @rt safe
   std::array<double, 6> axes() noexcept;
   /// Any thread but the 1 kHz one; the newest wish counts.
   void light(bool is_lit);

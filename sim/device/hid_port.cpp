@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Of text that a device sent: whatever it is, the result is UTF-8 without control characters.
+// Converts a device's text to UTF-8 without control characters, for any input.
 std::string utf8(const wchar_t* text) {
   std::string out;
   for (; text && *text; ++text) {
@@ -38,7 +38,8 @@ std::string utf8(const wchar_t* text) {
   return out;
 }
 
-// /sys/class/hidraw/hidraw0/device is .../USB-DEVICE/INTERFACE/HID-DEVICE. Elsewhere than on USB the HID device itself.
+// On USB /sys/class/hidraw/hidraw0/device is .../USB-DEVICE/INTERFACE/HID-DEVICE. Elsewhere it is the HID device
+// itself.
 std::string parentOf(const std::string& path, bool is_usb) {
   std::error_code error;
   const fs::path link = fs::path("/sys/class/hidraw") / fs::path(path).filename() / "device";
@@ -47,14 +48,14 @@ std::string parentOf(const std::string& path, bool is_usb) {
   return is_usb ? hid.parent_path().parent_path().string() : hid.string();
 }
 
-// Initialised once, by the first who asks; the library's own exit is left to the end of the process.
+// Initialises once, at the first call; the library's own exit is left to the end of the process.
 void initOnce() {
   static const int done = hid_init();
   (void)done;
 }
 
-// hidapi keeps the text of the last error of listing and of opening for the whole process: two threads that look for
-// devices at once would free it twice.
+// hidapi keeps the text of the last error of listing and opening for the whole process: two concurrent searches would
+// free it twice.
 std::mutex finding;
 
 }  // namespace
@@ -79,7 +80,7 @@ std::vector<HidInfo> listHid() {
   }
   hid_free_enumeration(first);
 
-  // One with several collections is listed once for each.
+  // A device with several collections is listed once for each.
   std::stable_sort(out.begin(), out.end(), [](const HidInfo& a, const HidInfo& b) { return a.path < b.path; });
   const auto is_same = [](const HidInfo& a, const HidInfo& b) { return a.path == b.path; };
   out.erase(std::unique(out.begin(), out.end(), is_same), out.end());
@@ -87,7 +88,7 @@ std::vector<HidInfo> listHid() {
 }
 
 // hidapi keeps the text of a device's last error in the device: two calls that fail at once would free it twice. Hence
-// one for each way. The system keeps 64 reports for the one that is never read, and drops those that follow.
+// one handle for each way. The system keeps 64 reports for the handle without a reader, and drops later ones.
 struct HidPort::Handle {
   hid_device* reads = nullptr;
   hid_device* writes = nullptr;
@@ -108,7 +109,7 @@ Expected<HidPort> HidPort::open(const std::string& path) {
     const std::lock_guard one(finding);
     initOnce();
   }
-  // Asked for first: what opening says of it depends on the library.
+  // Checked first: the library's error on opening varies.
   const bool is_there = ::access(path.c_str(), F_OK) == 0;
   if (is_there && ::access(path.c_str(), R_OK | W_OK) != 0)
     return fail({.code = Error::Code::kUnreadable,

@@ -1,4 +1,4 @@
-// HID devices of the system, through hidapi: the one place that knows it.
+// HID devices of the system, through hidapi. No other file uses hidapi.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@
 
 namespace kerf {
 
-/// One HID interface, as the system lists it. A device may have several.
+/// One HID interface, as listed by the system. A device may have several.
 struct HidInfo {
   std::string path;  ///< of its node, "/dev/hidraw0"
   std::uint16_t vendor = 0, product = 0;
@@ -29,21 +29,21 @@ struct HidInfo {
 std::vector<HidInfo> listHid();
 
 /// An open interface. One thread may read while others write, and neither waits for the other: its node is open twice,
-/// since hidapi bears no two calls at once on one. Writers wait for each other.
+/// since hidapi allows no two simultaneous calls on one. Writers wait for each other.
 class HidPort {
  public:
-  /// Errors: kUnreadable, with the udev rule where permission is what is missing; kNotFound.
+  /// Errors: kUnreadable, with the udev rule if permission is missing; kNotFound.
   static Expected<HidPort> open(const std::string& path);
   HidPort(HidPort&&) noexcept;
   HidPort& operator=(HidPort&&) noexcept;
   ~HidPort();
 
   static constexpr std::size_t kLongestReport = 256;  ///< bytes
-  /// The oldest report that waits, its number first if it has one.
-  /// @param wait_ms  how long to wait for one.
+  /// The oldest waiting report, its number first if it has one.
+  /// @param wait_ms  longest wait.
   /// @return  its bytes; 0: none came; negative: the device is gone.
   int read(std::span<std::uint8_t> report, int wait_ms) noexcept;
-  /// @param report  its number first; 0 if it has none.   @return  false: it was not taken.
+  /// @param report  its number first; 0 if it has none.   @return  false: not sent.
   /// @cost  about a ms on USB, much longer from a device in trouble.
   bool write(std::span<const std::uint8_t> report) noexcept;
 

@@ -1,4 +1,4 @@
-// Kerf's own profile for force-feedback arms: any vendor's and product's id, told by its usage page 0xFF4B, usage 1.
+// Kerf's own profile for force-feedback arms: any vendor's and product's id, recognised by usage page 0xFF4B, usage 1.
 //
 //   hand, from the arm                          force, to the arm
 //   0   'K' 'A'                                 0   'K' 'A'
@@ -44,7 +44,7 @@ Integer get(Bytes bytes, std::size_t at) {
 void put(RawArmReport& out, std::size_t at, std::size_t size, std::uint32_t value) {
   for (std::size_t n = 0; n < size; ++n) out[at + n] = static_cast<std::uint8_t>(value >> (8 * n));
 }
-// Of steps; what does not fit is the nearest that does.
+// In steps, clamped to the range.
 std::uint32_t steps(double value, double step, double most) {
   const double n = std::isfinite(value) ? std::round(value / step) : 0;
   return static_cast<std::uint32_t>(static_cast<std::int32_t>(std::clamp(n, -most, most)));

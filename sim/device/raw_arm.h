@@ -1,5 +1,5 @@
-// Reports of Kerf's own profile for force-feedback arms on HID, version 1: docs/reference/rawhid-arm.md is the same
-// table for who writes a firmware. Fixed layout, little-endian, 64 bytes each way.
+// Reports of Kerf's own profile for force-feedback arms on HID, version 1; docs/reference/rawhid-arm.md has the same
+// table for authors of firmware. Fixed layout, little-endian, 64 bytes each way.
 #pragma once
 
 #include <array>
@@ -16,10 +16,10 @@ inline constexpr std::size_t kRawArmSize = 64;
 
 using RawArmReport = std::array<std::uint8_t, kRawArmSize>;
 
-/// What an arm sends.
+/// Report from an arm.
 RawArmReport encodeRawHand(const HandFrame& hand) noexcept;
 FrameFault decodeRawHand(std::span<const std::uint8_t> report, HandFrame& out) noexcept;
-/// What it is sent.
+/// Report to an arm.
 RawArmReport encodeRawForce(const ForceFrame& force) noexcept;
 FrameFault decodeRawForce(std::span<const std::uint8_t> report, ForceFrame& out) noexcept;
 

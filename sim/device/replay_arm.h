@@ -1,7 +1,7 @@
-// A force-feedback arm that is a recording: "replay:FILE" instead of the name of a device. Its hand does bit for bit
-// what the recorded one did; no force goes anywhere.
+// A recording as a force-feedback arm: "replay:FILE" instead of the name of a device. Its hand repeats the recorded one
+// bit for bit; no force goes anywhere.
 //
-// Its time begins when the haptic thread takes the arm first. Until then its first hand stands still.
+// Its time begins when the haptic thread first uses the arm. Until then its first hand stands still.
 #pragma once
 
 #include <memory>
@@ -13,12 +13,12 @@ namespace kerf {
 
 class ReplayArm final : public ForceArm {
  public:
-  /// Errors: those of readRecording(); kUnsupported: of what is no arm; kBadValue: no hand in it, or no thread.
+  /// Errors: those of readRecording(); kUnsupported: not a recording of an arm; kBadValue: no hand in it, or no thread.
   static Expected<std::unique_ptr<ReplayArm>> open(const std::string& file, const ArmSettings& settings,
                                                    const Rigid3& start = {});
   ~ReplayArm() override;
 
-  /// Of its messages: findTakeHand().
+  /// Language of its messages: findTakeHand().
   const std::string& language() const;
 
   std::string what() const override;

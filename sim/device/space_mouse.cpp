@@ -1,5 +1,5 @@
-// The SpaceMouse family of 3Dconnexion: a knob that is pushed and turned along six axes, and buttons. Never tried on
-// hardware: ids and reports are those that others found out and published.
+// The SpaceMouse family of 3Dconnexion: a knob to push and turn along six axes, and buttons. Untested on hardware: ids
+// and reports are those published by others.
 //
 //   report  bytes with its number  what
 //   1       7                      X Y Z, int16 each                  older ones: pushing and turning by turns
@@ -11,7 +11,7 @@
 //   0x17    3                      battery, %; bit 0 of the next byte: it is charging
 //   4       2, to the device       light
 //
-// Which format it is shows in each report, not in the id: the same id was sold with either. X is to the right, Y to the
+// Each report shows its format; the id does not, since the same id was sold with either. X is to the right, Y to the
 // person, Z down; full deflection is about 350.
 #include <algorithm>
 #include <array>
@@ -131,7 +131,7 @@ ReportKind takeSpaceMouse(std::span<const std::uint8_t> report, DeviceReading& r
 std::vector<OutputReport> lightSpaceMouse(const HidInfo& info, bool is_lit) {
   const OutputReport on{4, 1}, off{4, 0};
   if (is_lit) return {on};
-  // This one goes dark only if it was lit before.
+  // This device goes dark only if it was lit before.
   if (info.vendor == 0x256f && info.product == kCompact) return {on, off};
   return {off};
 }

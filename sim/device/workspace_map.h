@@ -1,4 +1,4 @@
-// Where in the scene the hand of a device is: its frame to the world's.
+// Maps the frame of a device to the world.
 #pragma once
 
 #include "sim/hand/device_profile.h"
@@ -9,7 +9,7 @@ namespace kerf {
 class WorkspaceMap {
  public:
   /// @param turn  from the device's axes to the world's.   @param scale  mm of the world for a mm of the hand, > 0:
-  /// below 1 fine work, and the device feels stiffer things softer by the same.
+  /// below 1 for fine work; stiff contacts then feel softer by the same factor.
   explicit WorkspaceMap(const Eigen::Quaterniond& turn = Eigen::Quaterniond::Identity(), double scale = 1)
       : turn_(turn.normalized()), scale_(scale) {}
 
@@ -17,19 +17,19 @@ class WorkspaceMap {
     return {(turn_ * device.rotation * grip_).normalized(), offset_ + scale_ * (turn_ * device.translation)};
   }
   Vec3d toDevice(const Vec3d& world) const noexcept { return turn_.conjugate() * world; }
-  /// From now on this pose of the device is that one of the world: at the start, after a clutch was held, when the tool
-  /// was put elsewhere.
+  /// Matches this pose of the device with that one of the world from now on: at the start, after a clutch, when the
+  /// tool was placed elsewhere.
   void meet(const Rigid3& device, const Rigid3& world) noexcept {
     grip_ = ((turn_ * device.rotation).conjugate() * world.rotation).normalized();
     offset_ = world.translation - scale_ * (turn_ * device.translation);
   }
   double scale() const noexcept { return scale_; }
-  /// The same turn and scale; the offset is another matter.
+  /// The same turn and scale; ignores the offset.
   bool isAlike(const WorkspaceMap& other) const noexcept {
     return scale_ == other.scale_ && turn_.coeffs() == other.turn_.coeffs();
   }
-  /// The device as the world sees it: what a coupling there has to be made for. A mm of the world is 1 / scale of the
-  /// hand's, and a N is a N.
+  /// The device's profile in world units, for a coupling there. A mm of the world is 1 / scale of the hand's; a N is a
+  /// N.
   DeviceProfile inWorld(DeviceProfile profile) const noexcept {
     profile.mass_kg /= scale_;
     profile.encoder_mm *= scale_;

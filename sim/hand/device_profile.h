@@ -1,5 +1,5 @@
-// What a force-feedback device is like, and the virtual coupling that it can hold without trembling. Functions of their
-// arguments alone: any thread, some microseconds, before a session; not for the 1 kHz thread (text allocates).
+// Properties of a force-feedback device, and the virtual coupling that it can hold without trembling. Functions of
+// their arguments alone: any thread, some microseconds, before a session; not for the 1 kHz thread (text allocates).
 #pragma once
 
 #include <span>
@@ -9,10 +9,10 @@
 
 namespace kerf {
 
-/// At the tip of the tool. The defaults are for a device of which nothing is known.
+/// At the tip of the tool. The defaults are for an unknown device.
 struct DeviceProfile {
   double delay_s = 0.002;    ///< from a sample taken to its force at the motors
-  double mass_kg = 0.08;     ///< that a hand moves
+  double mass_kg = 0.08;     ///< moved by a hand
   double friction = 0.02;    ///< N, Coulomb
   double encoder_mm = 0.03;  ///< the step of its position; where it depends on the pose, the largest; 0: perfect
   double inertia_kgmm2 = 0;  ///< about the tip; 0: it gives no torque
@@ -24,14 +24,14 @@ struct TypicalDevice {
   const char* name;
   DeviceProfile profile;
 };
-/// Numbers as such devices have them, not measured on any.
+/// Typical numbers, not measured on any device.
 std::span<const TypicalDevice> typicalDevices();
 
-/// What keeps a coupling softer than wanted.
+/// Reason for a coupling softer than wanted.
 enum class CouplingBound {
-  kNone,    ///< nothing: it is as stiff as wanted
-  kMass,    ///< a delayed spring on a light mass swings up
-  kEncoder  ///< friction does not swallow the work that a spring does over a step of the encoder
+  kNone,    ///< none: as stiff as wanted
+  kMass,    ///< a delayed spring on a light mass becomes unstable
+  kEncoder  ///< friction does not absorb the work of a spring over a step of the encoder
 };
 
 struct DeviceCoupling {
@@ -44,15 +44,15 @@ struct DeviceCoupling {
 ///   B = K tau + 2 N s/m                                              while the drive turns
 ///   B = max(0.7 K tau, min(K tau + 2 N s/m, 2 f T / (a q)))          while it stands still
 /// a = 1 - exp(-2 pi 150 Hz T) is the gain of the velocity's low-pass. A delay is a negative damping K tau, so B makes
-/// up for it; K tau^2 / m = 0.55 is where a delayed spring and damper on a mass is at its limit, and 0.2 leaves room
-/// for hand and filter; a rounded position needs f >= K q / 2 (Abbott & Okamura 2005), half of that leaves room for
-/// axes that are turned, and sqrt(2) for a tool that friction holds sideways while tissue holds it up: one friction
-/// stands against the steps of two axes; and one step of the encoder kicks the hand by B a q / T. The same for turning,
-/// with the wanted turning stiffness, inertia, f at least 0.1 N mm, and 2 N mm s/rad. `kerf-bench devices` measures it.
+/// up for it. K tau^2 / m = 0.55 is the limit of a delayed spring and damper on a mass, and 0.2 leaves room for hand
+/// and filter. A rounded position needs f >= K q / 2 (Abbott & Okamura 2005). Half of that leaves room for turned axes,
+/// and sqrt(2) for a tool that friction holds sideways while tissue holds it up: one friction against the steps of two
+/// axes. One step of the encoder kicks the hand by B a q / T. The same for turning, with the wanted turning stiffness,
+/// inertia, f at least 0.1 N mm, and 2 N mm s/rad. `kerf-bench devices` measures it.
 ///
-/// No friction at all cannot be passive behind an encoder: what such a device is given stays small and bounded.
-/// @param profile  delay not negative, mass positive.   @param wanted  all that does not follow from the profile is
-/// kept.
+/// A device without friction cannot be passive behind an encoder: its force stays small and bounded.
+/// @param profile  delay not negative, mass positive.   @param wanted  source of all values that the profile does not
+///   determine.
 DeviceCoupling couplingFor(const DeviceProfile& profile, const CouplingSettings& wanted = {});
 
 /// "0.44 N/mm, 1 wanted: the steps of its encoder are coarse for its friction", one sentence for a person.

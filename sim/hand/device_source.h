@@ -1,4 +1,4 @@
-// What the haptic thread needs of a device: where the hand is, and somewhere to put the force.
+// The haptic thread's interface to a device: pose of the hand in, force out.
 #pragma once
 
 #include "sim/step/device_sample.h"
@@ -6,19 +6,19 @@
 namespace kerf {
 
 /// The haptic thread calls all of it: arm() once before the first read(), then read() and write() once a tick, placed()
-/// between ticks, disarm() once after the last write(), which is zero. Before a pause (undo, no memory for bricks) a
-/// zero is written at once, without a read. Until the pause ends, perhaps tenths of a second later, nothing is written.
+/// between ticks, disarm() once after the last write(), which is zero. Before a pause (undo, no memory for bricks) it
+/// writes a zero at once, without a read. Until the pause ends, perhaps tenths of a second later, it writes nothing.
 ///
-/// None of it may allocate, throw or wait for anything that may take long. A driver whose transport can block has a
-/// thread of its own and leaves the newest sample in a TripleBuffer; it says `is_valid = 0` when that has become old.
+/// No function may allocate, throw or wait long. A driver whose transport can block has a thread of its own and leaves
+/// the newest sample in a TripleBuffer. It sets `is_valid = 0` when that has become old.
 class DeviceSource {
  public:
   virtual ~DeviceSource() = default;
   virtual void arm() noexcept {}
   virtual DeviceSample read() noexcept = 0;
   virtual void write(const DeviceForce& force) noexcept = 0;
-  /// The tool was put there by PlaceTool. A device without a place of its own in the room follows: its next sample is
-  /// that pose. Other devices need not listen.
+  /// PlaceTool put the tool at this pose. A device without a place of its own in the room follows: its next sample is
+  /// that pose. Other devices may ignore it.
   virtual void placed(const Rigid3& /*T_world_tool*/) noexcept {}
   virtual void disarm() noexcept {}
 };

@@ -6,17 +6,17 @@
 namespace kerf {
 namespace {
 
-constexpr double kGuideGives = 70;         // mm/s per N, of what force is missing or too much
-constexpr double kGovern = 4;              // N per mm of way: force follows what is missing of the feed
+constexpr double kGuideGives = 70;         // mm/s per N of missing or excess force
+constexpr double kGovern = 4;              // N per mm of way: force follows the missing feed
 constexpr double kFastest = 6;             // mm/s of the hand, forward, on a way that cuts
 constexpr double kGuideLetsGo = 200;       // mm/s, back
-constexpr double kGuideBrake = 10;         // 1/s: of the way that is left
-constexpr double kCreep = 0.1;             // mm/s: slower it does not become before the end
+constexpr double kGuideBrake = 10;         // 1/s: of the remaining way
+constexpr double kCreep = 0.1;             // mm/s: least speed before the end
 constexpr double kThere = 0.02;            // mm before the end of a way
-constexpr double kNearly = 0.1;            // mm: the same for a tool that gets on no more
+constexpr double kNearly = 0.1;            // mm: the same for a stuck tool
 constexpr double kGuideSmooth = 0.1;       // of the speed, a tick
 constexpr double kTouches = 0.15;          // N: less is air
-constexpr double kCarryForce = 2;          // N on a way through air: something is in it
+constexpr double kCarryForce = 2;          // N on a way through air: more means an obstacle
 constexpr double kLean = ToolLean::kRate;  // 1/s
 constexpr double kGetsOn = 0.03;           // mm within kPatience; less is none
 constexpr double kPatience = 2;            // s
@@ -61,7 +61,7 @@ void GuidedHand::write(const DeviceForce& force) noexcept {
   felt_ = force.force;
   if (!felt_.isZero(0)) still_ = 0;
   torque_ = force.torque;
-  // Exactly zero while something is touched or the hand moves: the thread has paused, or is latched. The tool stands
+  // Zero force while the tool is in contact or the hand moves: the thread has paused, or is latched. The tool stands
   // still until the force has faded in again.
   if (felt_.isZero(0) && (was_touching_ || still_ > kUnfelt)) paused_ = kFadeIn;
 }
@@ -106,14 +106,14 @@ void GuidedHand::backOut() noexcept {
   begin(tool, tool + up * cut_.back, hand());
 }
 
-// How fast the tool shall go.
+// Target speed of the tool.
 double GuidedHand::feedOf(double left, double resists) const noexcept {
   const bool cuts = now_.stage == GuidedStage::kCutting && cut_.ways[now_.way].cuts;
   const double most = !cuts ? kCarried : resists < kTouches ? kThroughAir : cut_.feed;
   return std::clamp(kGuideBrake * left, kCreep, most);
 }
 
-// The tool has not got on for a while.
+// No progress for a while.
 bool GuidedHand::isStuck(double at) noexcept {
   if (at > watched_ + kGetsOn) {
     watched_ = at;
@@ -125,7 +125,7 @@ bool GuidedHand::isStuck(double at) noexcept {
   return waited_ > kPatience;
 }
 
-// On to the next one. What can not be carried on stays where it is.
+// On to the next one. A jammed tool stays where it is.
 void GuidedHand::endWay(bool gives_up) noexcept {
   const bool is_jammed = gives_up && !(now_.stage == GuidedStage::kCutting && cut_.ways[now_.way].cuts);
   now_.given_up += gives_up;
@@ -174,7 +174,7 @@ void GuidedHand::followWay() noexcept {
   leanAgainst();
 }
 
-// What is held on the line and in the plane is the tool, not the hand.
+// Holds the tool, not the hand, on the line and in the plane.
 void GuidedHand::leanAgainst() noexcept {
   Vec3d off = aside_ + felt_ / stiffness_;
   off -= direction_.dot(off) * direction_;

@@ -1,4 +1,4 @@
-// Two hands, of which one leads the tool: a person's mouse, and a force-feedback arm that may come and go.
+// Two hands, one of which leads the tool: a person's mouse, and a force-feedback arm that may come and go.
 #pragma once
 
 #include <atomic>
@@ -7,15 +7,15 @@
 
 namespace kerf {
 
-/// The window says who leads, the haptic thread changes hands before its next read(): the one that leads no more is
-/// given no force and told so, the other one finds the tool where it is. @rt safe.
+/// The window chooses the leading hand; the haptic thread switches before its next read(). The old hand gets zero force
+/// and disarm(), the new one finds the tool where it is. @rt safe.
 class HandSwitch final : public DeviceSource {
  public:
   /// @param first  leads at first, must outlive this.
   explicit HandSwitch(DeviceSource& first)
       : first_(first), now_(&first), wanted_(&first), coming_(&first), in_use_(&first) {}
 
-  /// Null: the first one. Any other one must outlive its use: isInUse(). One thread.
+  /// Null: the first one. Any other hand must outlive its use: isInUse(). One thread.
   void lead(DeviceSource* other) noexcept { wanted_.store(other ? other : &first_); }
   bool isInUse(const DeviceSource* other) const noexcept {
     return in_use_.load(std::memory_order_acquire) == other || wanted_.load() == other || coming_.load() == other;
@@ -27,7 +27,7 @@ class HandSwitch final : public DeviceSource {
   }
   DeviceSample read() noexcept override {
     if (DeviceSource* const wanted = wanted_.load(); wanted != now_) {
-      // Claimed first, then looked at again: who asks isInUse() after another was wanted must not miss this one.
+      // Claims first, then checks again: isInUse() must not miss this hand after another was chosen.
       coming_.store(wanted);
       if (wanted_.load() == wanted)
         change(wanted);

@@ -19,7 +19,7 @@ class Merger {
     }
   }
 
-  // How many motions from pose `from` on can be one.
+  // Number of motions from pose `from` on that can be merged.
   std::size_t mergeable(std::size_t from) const {
     std::size_t run = 0;
     while (run < kMostMerged && from + run < is_short_.size() && is_short_[from + run]) ++run;
@@ -31,7 +31,7 @@ class Merger {
  private:
   const Rigid3& pose(std::size_t n) const { return path_.poses[n].T_object_tool; }
 
-  // Of any point of the tool between two poses, mm: an upper bound.
+  // Largest move of any point of the tool between two poses, mm: an upper bound.
   double farthestMove(std::size_t a, std::size_t b) const {
     return (pose(b).translation - pose(a).translation).norm() +
            limits_.reach_mm * pose(a).rotation.angularDistance(pose(b).rotation);

@@ -7,20 +7,20 @@
 namespace kerf {
 namespace {
 
-constexpr double kGives = 70;          // mm/s per N, of what force is missing or too much
-constexpr double kSoftly = 0.05;       // mm above the depth the force begins to fall
-constexpr double kAhead = 0.02;        // s: where the tool will be then counts
+constexpr double kGives = 70;          // mm/s per N of missing or excess force
+constexpr double kSoftly = 0.05;       // mm above the depth where the force begins to fall
+constexpr double kAhead = 0.02;        // s: looks ahead by this
 constexpr double kSmooth = 0.1;        // of that speed, a tick
 constexpr double kFollow = 20;         // 1/s
 constexpr double kBrake = 30;          // 1/s: of the way to the depth
 constexpr double kMouseLetsGo = 200;   // mm/s, back
 constexpr double kSurfaceStep = 0.05;  // mm a tick
-constexpr double kRestYields = 2;      // of the force, with which it holds a tool at its place at most
+constexpr double kRestYields = 2;      // times the force: limit of the finger rest
 constexpr double kRestSpeed = 30;      // mm/s: a hand that is faster shakes the tool
-constexpr double kAround = 1;          // mm: so far beyond anchor and pointer the surface is looked for
-constexpr double kMostAside = 1;       // mm, against what pushes a tool out of its guide
-constexpr double kFeeler = 0.05;       // mm ahead, where what is kept is felt for
-constexpr double kSteepest = 0.15;     // of a slope: along a wall there is no height to be found
+constexpr double kAround = 1;          // mm: range of the surface search beyond anchor and pointer
+constexpr double kMostAside = 1;       // mm, against forces that push a tool out of its guide
+constexpr double kFeeler = 0.05;       // mm ahead, to probe for kept parts
+constexpr double kSteepest = 0.15;     // of a slope: along a wall there is no height
 
 // From a height along the axis to the surface, along the line through a place: one step of Newton's method, mm.
 double stepToSurface(const BrickField& surface, const Rigid3& to_surface, const Vec3d& axis, const Vec3d& through,
@@ -35,7 +35,7 @@ double stepToSurface(const BrickField& surface, const Rigid3& to_surface, const 
   return is_near && falls > kSteepest ? here / falls : here;
 }
 
-// The height of the surface at a place. Along a wall, where there is none, the one that is searched from.
+// The height of the surface at a place. Along a wall, which has none, the starting height.
 double heightAt(const BrickField& surface, const Rigid3& to_surface, const Vec3d& axis, const Vec3d& through,
                 double from) noexcept {
   constexpr int kSteps = 8;
@@ -49,7 +49,7 @@ double heightAt(const BrickField& surface, const Rigid3& to_surface, const Vec3d
   return from;
 }
 
-// Not far beyond anchor and pointer: a cliff beside the stroke is none of it.
+// Stays close to anchor and pointer: excludes a cliff beside the stroke.
 double nearStroke(const MouseAim& aim, const Vec3d& axis, double height) noexcept {
   const double anchor = axis.dot(aim.anchor), pointer = axis.dot(aim.pointer);
   return std::clamp(height, std::min(anchor, pointer) - kAround, std::max(anchor, pointer) + kAround);
@@ -124,7 +124,8 @@ DeviceSample MouseHand::send(bool is_pressed) noexcept {
   return out;
 }
 
-// A finger rest: stiff sideways. A guide is one of its own, and a tilted tool goes sideways as it goes down.
+// A finger rest: stiff sideways. Not with a guide, which is stiff itself, nor for a tilted tool, which goes sideways as
+// it goes down.
 void MouseHand::holdAtPlace(bool is_pressed) noexcept {
   const Vec3d was = tool_;
   tool_ = sent_ + felt_ / stiffness_ + early_ * speed_of_sent_;  // and early_ times its own speed
@@ -140,7 +141,7 @@ void MouseHand::holdAtPlace(bool is_pressed) noexcept {
   held_ += std::min(1.0, kRestSpeed * kTick / std::max(way.norm(), 1e-9)) * way;
 }
 
-// Of the tool, that much ahead of where it is.
+// Of the tool, moved ahead by this.
 std::optional<double> MouseHand::leftToKept(const Vec3d& ahead) const noexcept {
   if (!aim_.samples || aim_.samples->isEmpty()) return {};
   const Rigid3 tool{pose_.rotation, pose_.translation + held_ + felt_ / stiffness_ + ahead};
@@ -164,7 +165,7 @@ void MouseHand::feelKept(bool is_pressed) noexcept {
   kept_ = left;
 }
 
-// The way, square to the axis, on which the tool nears what is kept: unit. Zero: it is far, or straight ahead.
+// The direction, square to the axis, in which the tool nears a kept part: unit. Zero: far, or straight ahead.
 Vec3d MouseHand::sidewaysToKept() const noexcept {
   constexpr double kLevel = 0.05;  // mm nearer on a mm of the way: less than that is along it
   if (!kept_ || *kept_ > kSideways / kBrake) return Vec3d::Zero();
@@ -179,7 +180,7 @@ Vec3d MouseHand::sidewaysToKept() const noexcept {
   return steep > kLevel ? Vec3d(out / steep) : Vec3d(Vec3d::Zero());
 }
 
-// A hand that stands still still draws the tool towards itself.
+// A hand at rest still draws the tool towards itself.
 void MouseHand::holdBackFromKept(const Vec3d& towards) noexcept {
   if (towards.isZero(0)) return;
   const double ahead = *kept_ - kAhead * std::max(kept_speed_, 0.0);
@@ -188,8 +189,8 @@ void MouseHand::holdBackFromKept(const Vec3d& towards) noexcept {
   if (pull > most) pose_.translation -= std::min((pull - most) / stiffness_, kMouseLetsGo * kTick) * towards;
 }
 
-// How far what of the tool goes first is from where the hand wants it, mm. Of a tilted tool that turns out of the way,
-// too: what it touches with is beside its axis.
+// Offset of the tool's leading point from the hand's target, mm. For a tilted tool turning adds to it: its contact
+// point is beside its axis.
 Vec3d MouseHand::givesWay() const noexcept {
   Vec3d shift = held_ + felt_ / stiffness_;
   if (!isTilted()) return shift;
@@ -227,13 +228,13 @@ void MouseHand::moveSideways() noexcept {
   const double speed = std::min(kFollow * distance, kSideways * std::clamp(1 - against / most, 0.0, 1.0));
   Vec3d step = std::min(speed * kTick, distance) * direction;
 
-  // Along what is kept the hand goes as fast as ever, towards it ever slower.
+  // Along a kept part the hand keeps its speed; towards it, it slows down.
   const double nears = to_kept.dot(step), may = kept_ ? kTick * kBrake * std::max(*kept_, 0.0) : nears;
   if (nears > may) step -= (nears - may) * to_kept;
   pose_.translation += step;
 }
 
-// What a guide holds in its plane is the tool, not the hand; its attitude is held as that of a tilted tool is.
+// Holds the tool, not the hand, in a guide's plane, and its attitude like that of a tilted tool.
 void MouseHand::holdAttitude() noexcept {
   if (!isHeldInAttitude()) return;
   lean_.against(torque_, turn_stiffness_);
@@ -248,8 +249,8 @@ void MouseHand::moveAlong(bool is_pressed) noexcept {
 
   double to = at;
   if (is_pressed) {
-    // The tool stops at the depth, not the hand: that is ahead of the tool by what the coupling gives way. On a slope
-    // the surface is lower under the one than under the other: the higher of the two counts.
+    // The tool, not the hand, stops at the depth: the hand is ahead of it by the give of the coupling. On a slope the
+    // surface is lower under one than under the other: the higher of the two counts.
     const double felt = -felt_.dot(a);
     double height = height_;
     if (surface_ && !surface_->isEmpty()) {

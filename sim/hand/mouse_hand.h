@@ -1,9 +1,9 @@
-// A hand for people without a force-feedback device: mouse, pen, trackpad. What they point at is a wish; this hand goes
-// there as a hand would, with a bounded force and a bounded speed, and the coupling does the rest.
+// A hand for people without a force-feedback device: mouse, pen, trackpad. The pointer is a target. The hand moves
+// there with a bounded force and a bounded speed, and the coupling does the rest.
 //
-// A stroke is anchored where the button went down: a line along the tool's axis and the surface as it was loaded. The
-// hand pushes along the axis with a force; sideways it follows the pointer. It never passes a depth below the surface
-// as loaded, measured along the axis at the place where the tool is: what was cut meanwhile does not draw it deeper.
+// A stroke is anchored where the button went down: a line along the tool's axis and the surface as loaded. The hand
+// pushes along the axis with a force; sideways it follows the pointer. It never passes a depth below the surface as
+// loaded, measured along the axis at the tool's place: the volume removed meanwhile does not draw it deeper.
 //
 //   along the axis   v = g (wanted - felt), at most kApproach; wanted is the force, and falls within 0.05 mm of the
 //                    depth of the tool, which is the hand's less felt / K
@@ -11,19 +11,18 @@
 //   surface          as loaded: followed under the hand tick by tick, found under the tool; the higher one counts
 //   at its place     the hand of an upright tool stands kFirm (place - tool) beside it: a finger rest, which holds it
 //                    with 1 + kFirm times the coupling's stiffness, and with at most twice the force
-//   what is kept     l = distance of the tool to pulp, nerve or neighbour - what shall be left; the way to the depth is
-//   l at most.
-//                    Sideways the hand nears it no faster than kBrake l, and draws the tool towards it with a force
-//                    that falls within 0.05 mm of l
+//   kept parts       l = distance of the tool to pulp, nerve or neighbour, less the margin to keep; the way to the
+//                    depth is l at most. Sideways the hand nears them no faster than kBrake l, and draws the tool
+//                    towards them with a force that falls within 0.05 mm of l
 //   a tilted tool    is led sideways by slant x its depth below the pointer, so that it goes in along its own axis
 //
-// Force, depth and surface go by the normal of the surface, tilted or not: what is tilted presses no harder, and what
-// of it is deepest stops at the depth. Its attitude is held against the torque, as a hand would.
+// Force, depth and surface follow the normal of the surface, also for a tilted tool: it presses no harder, and its
+// deepest point stops at the depth. Its attitude is held against the torque, as by a hand.
 //
 // The finger rest needs the tool's place, which a hand does not read. It follows from the force of the coupling,
-// K (tool - hand) + B (their speeds' difference): force / K alone comes B / K = 2 ms early, and the tool walks round
-// its hole. A ball of radius r under a load N slides off the stub that its slow tip leaves with N / r, and drag turns
-// it: at 1 N, softer than N / r = 4 N/mm for the smallest bur, every bur cuts a bowl.
+// K (tool - hand) + B (their speeds' difference): force / K alone is early by B / K = 2 ms, and the tool circles in its
+// hole. A ball of radius r under a load N slides off the stub that its slow tip leaves with N / r, and drag turns it:
+// at 1 N, softer than N / r = 4 N/mm for the smallest bur, every bur cuts a bowl.
 //
 // The samples are in the session log like any device's: a replay gives the same bits without a mouse.
 #pragma once
@@ -43,62 +42,62 @@
 
 namespace kerf {
 
-/// What the person asks for. World frame, mm, N.
+/// The person's target. World frame, mm, N.
 struct MouseAim {
-  std::uint64_t stroke = 0;  ///< rises with every stroke: an aim of a stroke counts once the tool was placed for it
-  bool is_pressed = false;   ///< the button is down: the spindle turns and the hand pushes
-  Vec3d pointer = Vec3d::Zero();  ///< on the surface as loaded, or on the plane of the stroke: where the tip shall go
+  std::uint64_t stroke = 0;       ///< rises with every stroke: an aim counts once the tool was placed for its stroke
+  bool is_pressed = false;        ///< the button is down: the spindle turns and the hand pushes
+  Vec3d pointer = Vec3d::Zero();  ///< on the surface as loaded, or on the plane of the stroke: target of the tip
   Vec3d anchor = Vec3d::Zero();   ///< on the surface as loaded, where the stroke began
   Vec3d into = -Vec3d::UnitZ();   ///< the axis: unit, into the tissue, against its normal
   Rigid3 T_world_surface;         ///< of the surface as loaded: a piece may have been moved
-  double reach = 0;               ///< from the tip along the axis to what of the tool goes first, mm: a disc's radius
+  double reach = 0;               ///< from the tip along the axis to the tool's leading point, mm: a disc's radius
   double force = 1;               ///< along the axis, 0 to 8
   double depth = 0.5;             ///< below the surface as loaded, along the axis, that the tool may reach
                                   ///< (negative: above it), at least -kClearance
   double pedal = 1;               ///< of the nominal speed, 0 to 1; negative: backwards
   double irrigation = 1;          ///< 0 to 1
-  /// From the tip to what of the tool follows pointer and surface, square to the axis, mm: the middle of a saw's teeth,
-  /// what a tilted tool touches with.
+  /// From the tip to the point of the tool that follows pointer and surface, square to the axis, mm: the middle of a
+  /// saw's teeth, the contact point of a tilted tool.
   Vec3d front = Vec3d::Zero();
-  /// Of a tilted tool: how far sideways it goes for each mm of depth, square to the axis, at most kMostSlant. Zero: it
-  /// plunges along the axis.
+  /// For a tilted tool: sideways motion for each mm of depth, square to the axis, at most kMostSlant. Zero: it plunges
+  /// along the axis.
   Vec3d slant = Vec3d::Zero();
-  /// Normal of the plane that a cutting guide keeps the tool in, from where it was placed: unit, square to the axis.
-  /// The pointer then moves it within that plane alone, and no force turns it out of it. Zero: no guide.
+  /// Normal of a cutting guide's plane, from where the tool was placed: unit, square to the axis. The pointer then
+  /// moves the tool within that plane alone, and no force turns it out of it. Zero: no guide.
   Vec3d guide = Vec3d::Zero();
-  /// What shall be left between the tool and any of the structures to keep, mm; negative: all may be cut.
+  /// Margin between the tool and any of the structures to keep, mm; negative: all may be cut.
   double keep = -1;
-  /// The same of what stands beside the object.
+  /// The same for neighbours of the object.
   double keep_beside = -1;
   /// Points of the tool for both; null: all may be cut. They must outlive the hand.
   const ToolSamples* samples = nullptr;
 };
 
 /// The window's thread aims, the haptic thread reads. Before a stroke the window sends PlaceTool with the pose above
-/// the anchor: this hand waits there, and keeps the attitude it was placed in.
+/// the anchor: this hand waits there and keeps that attitude.
 class MouseHand final : public DeviceSource {
  public:
   static constexpr double kApproach = 15;  ///< mm/s, along the axis
   static constexpr double kSideways = 8;   ///< mm/s
   static constexpr double kMostSlant = 4;  ///< a tilt of 76 degrees
   static constexpr double kLeast = 0.3;    ///< N: side force that is always allowed
-  static constexpr double kFirm = 9;       ///< mm that it stands beside its place for each mm the tool does
-  static constexpr double kClearance = 1;  ///< mm above the surface as loaded, where it goes when the button is up
+  static constexpr double kFirm = 9;       ///< mm that it stands beside its place for each mm of the tool
+  static constexpr double kClearance = 1;  ///< mm above the surface as loaded, with the button up
 
-  /// @param surface  the field as loaded (mm, negative inside), kept. Null: none, the plane through the anchor.
-  /// @param start  where the tool is.   @param coupling  of the session.
+  /// @param surface  the field as loaded (mm, negative inside), kept. Null: the plane through the anchor.
+  /// @param start  pose of the tool.   @param coupling  of the session.
   MouseHand(std::shared_ptr<const BrickField> surface, const Rigid3& start, const CouplingSettings& coupling = {});
 
-  /// What MouseAim::keep is about; in the frame of the surface as loaded. Before the first read().
+  /// Structures of MouseAim::keep, in the frame of the surface as loaded. Before the first read().
   void keepAwayFrom(std::shared_ptr<const Structures> structures) { structures_ = std::move(structures); }
 
-  /// What MouseAim::keep_beside is about, where it was loaded: it is not moved. Before the first read().
+  /// Neighbours of MouseAim::keep_beside, at their place as loaded: they do not move. Before the first read().
   void keepAwayFromBeside(std::vector<std::shared_ptr<const KeepOut>> beside) { beside_ = std::move(beside); }
 
-  /// The newest wish. One thread.
+  /// The newest aim. One thread.
   void aim(const MouseAim& aim) noexcept;
 
-  /// @rt  @cost  4 to 18 trilinear samples of the field; near a structure that is kept up to 60 us more for each.
+  /// @rt  @cost  4 to 18 trilinear samples of the field; near a structure to keep up to 60 us more for each.
   DeviceSample read() noexcept override;
   void write(const DeviceForce& force) noexcept override {
     felt_ = force.force;
@@ -127,28 +126,28 @@ class MouseHand final : public DeviceSource {
   std::shared_ptr<const Structures> structures_;        // null: none
   std::vector<std::shared_ptr<const KeepOut>> beside_;  // world frame
   double stiffness_, turn_stiffness_;                   // of the coupling, N/mm and N mm/rad
-  double early_;                                        // s by which its force tells the place too early
+  double early_;                                        // s by which its force gives the place too early
   double gain_;                                         // of its filter, a tick
   TripleBuffer<MouseAim> aims_;
-  MouseAim aim_;                  // the newest
-  Rigid3 to_surface_;             // from the world
-  std::uint64_t placed_for_ = 0;  // stroke
-  Rigid3 pose_;                   // of the hand
-  Vec3d axis_ = -Vec3d::UnitZ();  // of the stroke, into the tissue
-  double reach_ = 0;              // of the tool along it, mm
-  double height_ = 0;             // of the surface as loaded, along the axis, where the hand is, mm
-  std::optional<double> left_;    // of the tool's way to the depth, mm
-  double speed_ = 0;              // at which that becomes less, mm/s
-  double kept_speed_ = 0;         // at which kept_ becomes less, mm/s
-  std::optional<double> kept_;    // mm that the tool may still near what is kept; none: far from it, or not asked for
-  Vec3d felt_ = Vec3d::Zero();    // N, of the last tick
-  Vec3d torque_ = Vec3d::Zero();  // N mm
-  Vec3d front_ = Vec3d::Zero();   // of the tool, see MouseAim
-  Vec3d held_ = Vec3d::Zero();    // of the hand beside its place, square to the axis, mm
-  Vec3d tool_ = Vec3d::Zero();    // where the tool is, by the force
-  Vec3d sent_ = Vec3d::Zero();    // where the hand was said to be
+  MouseAim aim_;                         // newest
+  Rigid3 to_surface_;                    // from the world
+  std::uint64_t placed_for_ = 0;         // stroke
+  Rigid3 pose_;                          // of the hand
+  Vec3d axis_ = -Vec3d::UnitZ();         // of the stroke, into the tissue
+  double reach_ = 0;                     // of the tool along it, mm
+  double height_ = 0;                    // of the surface as loaded, along the axis, at the hand, mm
+  std::optional<double> left_;           // of the tool's way to the depth, mm
+  double speed_ = 0;                     // rate of decrease of left_, mm/s
+  double kept_speed_ = 0;                // rate of decrease of kept_, mm/s
+  std::optional<double> kept_;           // mm left to the structures to keep; none: far from them, or no margin set
+  Vec3d felt_ = Vec3d::Zero();           // N, of the last tick
+  Vec3d torque_ = Vec3d::Zero();         // N mm
+  Vec3d front_ = Vec3d::Zero();          // of the tool, see MouseAim
+  Vec3d held_ = Vec3d::Zero();           // of the hand beside its place, square to the axis, mm
+  Vec3d tool_ = Vec3d::Zero();           // place of the tool, by the force
+  Vec3d sent_ = Vec3d::Zero();           // last reported place of the hand
   Vec3d speed_of_sent_ = Vec3d::Zero();  // as the coupling filters it, mm/s
-  double aside_ = 0;                     // of the hand beside the guide's plane, mm: what the coupling gives way
+  double aside_ = 0;                     // of the hand beside the guide's plane, mm: offsets the coupling's give
   ToolLean lean_;
 };
 

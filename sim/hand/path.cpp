@@ -26,7 +26,7 @@ constexpr double kLargestTurn = 120 * kRadian;  // between rows: beyond, the sho
 constexpr double kChordError = 1e-3;            // mm
 constexpr double kTurnPerMotion = 2 * kRadian;
 constexpr double kTurnSpeed = 45 * kRadian;  // rad/s: a turn about the tip itself has no feed
-constexpr double kReach = 1000;              // mm: nothing of a patient is farther from its origin
+constexpr double kReach = 1000;              // mm: no part of a patient is farther from its origin
 
 // Reads the rows of a CSV of poses, one after the other.
 class PoseTable {
@@ -92,7 +92,7 @@ class PoseTable {
     return v;
   }
 
-  // Time, place and attitude in range, and such that the motion from the pose before is clear.
+  // Checks the ranges of time, place and attitude, and that the motion from the previous pose is unambiguous.
   Expected<PathPose> poseFrom(std::size_t line, const Row& v) const {
     const PathPose* before = path_.poses.empty() ? nullptr : &path_.poses.back();
     PathPose pose;
@@ -185,7 +185,7 @@ class StrokeWriter {
       if (angle == 0) stroke.reject("angle_deg", "0", "an angle other than 0");
       if (!stroke.failed()) round(stroke, key, about, axis, angle, feed, turns);
     } else {
-      // Its keys are no further mistake.
+      // Its keys count as no further mistake.
       stroke.reject("kind", "\"" + kind + "\"", kKinds);
       for (const char* key : {"depth", "direction", "height", "to", "by", "center", "pivot", "axis", "angle_deg"})
         stroke.allow(key);

@@ -1,4 +1,4 @@
-// Where the tool goes: timed poses, or strokes turned into poses.
+// Paths of the tool: timed poses, or strokes converted to poses.
 #pragma once
 
 #include <filesystem>

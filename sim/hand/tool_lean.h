@@ -1,18 +1,18 @@
-// How a hand holds a tool in an attitude: it turns against the torque that it feels, as a cutting guide would.
+// Holds a tool in an attitude: the hand turns against the torque, like a cutting guide.
 #pragma once
 
 #include "sim/step/device_sample.h"
 
 namespace kerf {
 
-/// The coupling gives way by torque / stiffness; this is what the hand turns the other way, slowly. @rt
+/// The coupling gives way by torque / stiffness; the hand slowly turns back by this. @rt
 struct ToolLean {
   static constexpr double kRate = 8;    ///< 1/s
   static constexpr double kMost = 0.2;  ///< rad
 
   Vec3d turn = Vec3d::Zero();  ///< rotation vector, world, rad
 
-  /// @param torque  that the hand feels, N mm.   @param stiffness  of the coupling, N mm/rad.
+  /// @param torque  on the hand, N mm.   @param stiffness  of the coupling, N mm/rad.
   void against(const Vec3d& torque, double stiffness) noexcept {
     turn -= kRate * kTick * (turn + torque / stiffness);
     if (const double size = turn.norm(); size > kMost) turn *= kMost / size;

@@ -1,4 +1,4 @@
-// The newest value from one thread to another: neither ever waits, and what is not read in time is replaced.
+// The newest value from one thread to another: neither ever waits, and newer values replace unread ones.
 #pragma once
 
 #include <array>
@@ -7,8 +7,7 @@
 namespace kerf {
 
 /// Three slots: one being written, one being read, and one in between that changes hands with a single exchange. One
-/// writer, one reader; every call takes a bounded number of steps whatever the other side does. @rt safe on both sides,
-/// as far as copying a T is.
+/// writer, one reader; every call takes a bounded number of steps. @rt safe on both sides, as far as copying a T is.
 ///
 /// The reader sees values in the order they were published, may miss some, and never sees half of one.
 template <class T>
@@ -20,10 +19,10 @@ class TripleBuffer {
 
   /// Writer: the slot to fill. Holds some older value, not the last one published.
   T& back() noexcept { return slot_[write_]; }
-  /// Writer: what is in back() is the newest now.
+  /// Writer: publishes back().
   void publish() noexcept { write_ = middle_.exchange(write_ | kFresh, std::memory_order_acq_rel) & kIndex; }
 
-  /// Reader: fetches the newest. False: nothing new since the last call, and front() is what it was.
+  /// Reader: fetches the newest. False: nothing new since the last call, and front() is unchanged.
   bool update() noexcept {
     if (!(middle_.load(std::memory_order_relaxed) & kFresh)) return false;
     read_ = middle_.exchange(read_, std::memory_order_acq_rel) & kIndex;

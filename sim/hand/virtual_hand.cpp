@@ -11,21 +11,21 @@ Rigid3 between(const Rigid3& a, const Rigid3& b, double s) {
 }
 
 constexpr double kEnd = 1e-3;       // mm: nearer than this to its end a stretch is done
-constexpr double kOnLine = 0.03;    // mm: a tool that is no farther off its line goes on to the next stretch
+constexpr double kOnLine = 0.03;    // mm: a tool nearer to its line goes on to the next stretch
 constexpr double kArrived = 0.01;   // mm from the end of the path
-constexpr double kUnheld = 0.3;     // N: the least that moves and brakes a tool which touches nothing
-constexpr double kLeanRate = 60;    // 1/s: how fast a hand leans against what keeps the tool off its line
+constexpr double kUnheld = 0.3;     // N: least force that moves and brakes a tool without contact
+constexpr double kLeanRate = 60;    // 1/s: rate at which a hand leans against forces that push the tool off its line
 constexpr double kLeanWait = 10;    // 1/s: the same while the tool hardly moves
 constexpr double kTurnRate = 1;     // rad/s: turns on the spot
-constexpr double kStalled = 0.02;   // of the highest speed of the drive: a hand lets go
-constexpr double kRecovered = 0.5;  // and pushes again
-constexpr double kLetsGo = 0.1;     // N that it draws back with, and holds to a side
-constexpr double kFront = 0.75;     // of the overlap: a stretch ends where this much of it is cut
-constexpr double kMean = 0.03;      // mm of the way: what the tool cuts and leaves is a mean over this
-constexpr double kQuick = 0.1;      // at most this part of a mean is new in a tick
-constexpr double kSlow = 0.005;     // and at least this
-constexpr double kNothing = 1e-8;   // mm^3 a tick: a tool that leaves less than this hardly moves, and does not skid
-constexpr double kFriction = 0.15;  // of a spinning tool: so much of a force may be drag, which presses on nothing
+constexpr double kStalled = 0.02;   // of the highest speed of the drive: below it a hand lets go
+constexpr double kRecovered = 0.5;  // above it the hand pushes again
+constexpr double kLetsGo = 0.1;     // N of drawing back, and of holding to a side
+constexpr double kFront = 0.75;     // of the overlap: a stretch ends when this share of it is cut
+constexpr double kMean = 0.03;      // mm of the way: averaging length of the removed and the remaining volume
+constexpr double kQuick = 0.1;      // largest new part of a mean in a tick
+constexpr double kSlow = 0.005;     // and the smallest
+constexpr double kNothing = 1e-8;   // mm^3 a tick: a tool that leaves less hardly moves, and does not skid
+constexpr double kFriction = 0.15;  // of a spinning tool: this share of a force may be drag, without pressure
 constexpr double kSkids = 0.46;     // a tool that removes a smaller share of its way is pushed down instead of on
 
 constexpr double kNoWay = 1e-9;  // mm: shorter stretches are turns on the spot
@@ -106,8 +106,8 @@ bool ForceHand::next(const StepOutput& last, DeviceSample& sample) {
   const Vec3d moved = last.T_world_tool.translation - tip_;
   tip_ = last.T_world_tool.translation;
 
-  // How far the tool has come along this stretch, never backwards. Where the tool has tissue in front of it, it goes on
-  // for so long that the stretch is cut to its end.
+  // Progress of the tool along this stretch, never backwards. With tissue in front of it, the tool goes on until the
+  // stretch is cut to its end.
   const auto pose = [&](std::size_t n) -> const Rigid3& { return path_.poses[n].T_object_tool; };
   Vec3d along = Vec3d::Zero(), beside = Vec3d::Zero();
   double whole = 0, done = 0, turn = 0, left = 0;
@@ -126,13 +126,13 @@ bool ForceHand::next(const StepOutput& last, DeviceSample& sample) {
       if (turned_ < turn) break;
       continue;
     }
-    // A tool that was kept off its line has not been where the stretch ends.
+    // A tool kept off its line has not reached the end of the stretch.
     if (left > kEnd || (beside + across(film_, along)).norm() > kOnLine) break;
   }
   const double gone = std::clamp(whole - left, 0.0, whole);
   at_ = std::max(at_, length_[stretch_] + gone);
 
-  // Whoever feels the drive stall lets go until it is back.
+  // Lets go when the drive stalls, until it is back.
   const double speed = std::abs(last.speed);
   fastest_ = std::max({fastest_, speed, options_.free_speed});
   is_stalled_ = path_.cuts[stretch_] && speed < (is_stalled_ ? kRecovered : kStalled) * fastest_;
@@ -154,7 +154,7 @@ bool ForceHand::next(const StepOutput& last, DeviceSample& sample) {
   const bool pushes = turn == 0 && left > kEnd;
   Vec3d hold = shortened(lean_ - off + (pushes ? 0 : left) * along, most);
 
-  // Push on with the rest of the force. A tool that skids is pushed into the tissue in place of along it.
+  // Push on with the rest of the force. A skidding tool is pushed into the tissue instead of along it.
   double forward = along.dot(hold);
   if (pushes) {
     const double rest = std::sqrt(std::max(0.0, most * most - hold.squaredNorm()));
@@ -179,7 +179,7 @@ bool ForceHand::next(const StepOutput& last, DeviceSample& sample) {
   return true;
 }
 
-// The path is done: the tool comes back from the tissue that it was pushed into, to where the path ends.
+// At the end of the path the tool returns from the tissue that it was pushed into.
 bool ForceHand::settle(const StepOutput& last, DeviceSample& sample) {
   at_ = length_.back();
   const Rigid3& end = path_.poses.back().T_object_tool;
@@ -196,14 +196,14 @@ bool ForceHand::settle(const StepOutput& last, DeviceSample& sample) {
   return true;
 }
 
-// How deep the tool is in the tissue, out of it, mm.
+// Overlap of the tool with the tissue, out of it, mm.
 Vec3d ForceHand::overlapOf(const StepOutput& last) {
   const double force = last.contact.force.norm();
   return force > 0 ? Vec3d(last.contact.force * (last.deepest / force)) : Vec3d(Vec3d::Zero());
 }
 
-// A tool that is pushed overlaps with the tissue until that is eroded. Of the section in its way it removes a part; of
-// the overlap it leaves as much standing as of the section. That is the film. A drive that is off leaves none.
+// A pushed tool overlaps with the tissue until that is eroded. It removes a part of the section in its way, and leaves
+// the same part of the overlap as of the section. That is the film. A drive that is off leaves none.
 // @return the share that the tool leaves, 0 in air.
 double ForceHand::feelFilm(const StepOutput& last, const Vec3d& along, const Vec3d& moved) {
   if (!path_.cuts[stretch_]) {
@@ -227,7 +227,7 @@ double ForceHand::feelFilm(const StepOutput& last, const Vec3d& along, const Vec
 }
 
 // False: nothing has moved for `patience` seconds, neither along the way nor back to it. A tool that goes to and fro
-// beside its line comes no nearer: what counts is how far off it is at most, in the later half against the earlier.
+// beside its line comes no nearer: the largest distance counts, in the later half against the earlier.
 bool ForceHand::moves(bool is_turning, double off) {
   if (is_turning || at_ > watched_ + options_.stillness) {
     watched_ = at_;
@@ -261,7 +261,7 @@ bool DeviceHand::next(const StepOutput& last, DeviceSample& sample) {
     const double t = t_ + n * dt;
     const Vec3d wanted = poseAt(path_, t).translation;
     const Vec3d speed = (poseAt(path_, t + dt).translation - wanted) / dt;
-    // Spring and dampers implicitly; Coulomb friction takes what it can without turning the motion round.
+    // Spring and dampers implicitly; Coulomb friction slows the motion but does not reverse it.
     const double k = options_.hand_stiffness, b = options_.hand_damping + options_.damping;
     Vec3d v = (mass * velocity_ + dt * (force + k * (wanted - position_) + options_.hand_damping * speed)) /
               (mass + dt * b + dt * dt * k);
@@ -279,7 +279,7 @@ bool DeviceHand::next(const StepOutput& last, DeviceSample& sample) {
   t_ += kTick;
   is_over_ = t_ >= duration(path_);
 
-  // What the encoder says; the turn and the pedal are the path's.
+  // The encoder's reading; the turn and the pedal are the path's.
   sample = DeviceSample{};
   bool cuts = true;
   sample.T_world_device = poseAt(path_, t_, &cuts);

@@ -9,24 +9,23 @@
 
 namespace kerf {
 
-/// Gives the sample of the next tick from what the last one gave back. Deterministic. Not for the 1 kHz thread.
+/// Gives the sample of the next tick from the last tick's output. Deterministic. Not for the 1 kHz thread.
 class VirtualHand {
  public:
   virtual ~VirtualHand() = default;
-  /// False: the way is done, and `sample` is not set.
+  /// False: at the end, and `sample` is not set.
   virtual bool next(const StepOutput& last, DeviceSample& sample) = 0;
   /// 0 to 1.
   virtual double progress() const = 0;
-  /// Of the path that it has not gone, mm.
+  /// Rest of the path, mm.
   virtual double left() const = 0;
 };
 
-/// Where a path is at a time, s after its first pose; the last pose ever after. Straight and by the shorter turn
-/// between poses. `cuts`, if given, is set to whether that motion cuts.
+/// Pose of a path at a time, s after its first pose; later the last pose. Straight and by the shorter turn between
+/// poses. Sets `cuts`, if given, to whether that motion cuts.
 Rigid3 poseAt(const CutPath& path, double t, bool* cuts = nullptr);
 
-/// Constant feed: the path in its own time, whatever the force. The tool turns while the path cuts. For
-/// Rendering::kRigid.
+/// Constant feed: the path in its own time, for any force. The tool turns while the path cuts. For Rendering::kRigid.
 class FeedHand final : public VirtualHand {
  public:
   explicit FeedHand(const CutPath& path) : path_(path) {}
@@ -40,23 +39,22 @@ class FeedHand final : public VirtualHand {
   bool is_over_ = false;
 };
 
-/// Constant force: pulls the tool with `force`, sideways with as much of it as holds the tool on its line, and along
-/// the path with the rest, no faster than `feed_limit`. A pushed tool overlaps with the tissue until that is eroded,
-/// and leaves a film when it moves on. The hand leads it deeper by an estimate of that film. It waits for a tool off
-/// its line. Turns on the spot take their time. It waits for the drive to come up to half of its speed, and lets go
-/// when it stalls. Parts of a path that cannot be cut are left, not cut elsewhere. For Rendering::kCoupled with a
-/// coupling of kStiffness: a softer one lets the tool off its line. Gives up when nothing has moved for `patience`
-/// seconds.
+/// Constant force: pulls the tool with `force`, sideways with the part that holds the tool on its line, and along the
+/// path with the rest, no faster than `feed_limit`. A pushed tool overlaps with the tissue until that is eroded, and
+/// leaves a film when it moves on. The hand leads it deeper by an estimate of that film. It waits for a tool off its
+/// line. Turns on the spot take their time. It waits for the drive to reach half of its speed, and lets go when it
+/// stalls. Parts of a path that cannot be cut are skipped, not cut elsewhere. For Rendering::kCoupled with a coupling
+/// of kStiffness: a softer one lets the tool off its line. Gives up when nothing has moved for `patience` seconds.
 class ForceHand final : public VirtualHand {
  public:
   struct Options {
     double force = 1;         ///< N
     double feed_limit = 20;   ///< mm/s, in air
     double patience = 5;      ///< s
-    double stillness = 0.01;  ///< mm: less progress than this in `patience` seconds is none
-    double free_speed = 0;    ///< of the drive, as StepOutput::speed; 0: not known, the fastest so far counts
+    double stillness = 0.01;  ///< mm: less progress in `patience` seconds counts as none
+    double free_speed = 0;    ///< of the drive, as StepOutput::speed; 0: unknown, uses the fastest so far
   };
-  static constexpr double kStiffness = 100;  ///< N/mm: no device that has to hold it stands between hand and tool
+  static constexpr double kStiffness = 100;  ///< N/mm: no device needs to hold it
   ForceHand(const CutPath& path, const CouplingSettings& coupling, const Options& options);
   bool next(const StepOutput& last, DeviceSample& sample) override;
   double progress() const override;
@@ -77,7 +75,7 @@ class ForceHand final : public VirtualHand {
   std::vector<double> length_;       // of the way up to each pose, mm
   std::size_t stretch_ = 0;          // from this pose to the next
   double at_ = 0, ahead_ = 0;        // mm of the way: the tool; where it is pulled to
-  Vec3d lean_ = Vec3d::Zero();       // mm: how far beside its line the hand stands to hold the tool
+  Vec3d lean_ = Vec3d::Zero();       // mm: offset of the hand beside its line that holds the tool
   double leaves_ = 0, removed_ = 0;  // means of a tick, mm^3
   Vec3d overlap_ = Vec3d::Zero(),
         film_ = Vec3d::Zero();           // mm, out of the tissue: the mean overlap; the film across the way
@@ -88,8 +86,8 @@ class ForceHand final : public VirtualHand {
   bool has_begun_ = false, gave_up_ = false, is_stalled_ = false, has_come_up_ = false;
 };
 
-/// A force-feedback device in a person's hand: a mass on a spring and damper to where the hand wants to be (the path).
-/// Its position is read through an encoder. Its force arrives one tick late and stays the same for a tick. Turns are
+/// A force-feedback device in a person's hand: a mass on a spring and damper to the hand's target (the path). Its
+/// position is read through an encoder. Its force arrives one tick late and stays the same for a tick. Turns are
 /// prescribed, as on a device without torque.
 class DeviceHand final : public VirtualHand {
  public:
@@ -107,10 +105,10 @@ class DeviceHand final : public VirtualHand {
   double progress() const override;
   double left() const override;
 
-  /// Where the device really is, mm.
+  /// True place of the device, mm.
   const Vec3d& position() const { return position_; }
-  /// Work the force has done on the device so far, less what the device's own damping and friction took, N mm. Above
-  /// zero the simulation has given energy to the hand.
+  /// Work of the force on the device so far, less the losses to the device's own damping and friction, N mm. Above zero
+  /// the simulation has given energy to the hand.
   double portEnergy() const { return work_ - lost_; }
 
  private:

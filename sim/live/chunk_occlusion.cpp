@@ -7,7 +7,7 @@
 namespace kerf {
 namespace {
 
-/// The field at any point. Bricks are found once and remembered: neighbouring vertices ask for the same few.
+/// The field at any point. Caches bricks: neighbouring vertices need the same few.
 template <class Field>
 class Sampler {
  public:

@@ -23,9 +23,9 @@ constexpr int kCommandsATick = 4;
 // 2 KiB are copied for each. Undo changes thousands; the mesher has them within some ticks.
 constexpr int kEditsATick = 128;
 constexpr std::uint64_t kTimesEvery = 100;
-constexpr std::size_t kRecords = 4;  // of strokes an object should have free
+constexpr std::size_t kRecords = 4;  // free stroke records an object should have
 
-// Everything to the recorder; what it did not take is counted.
+// Passes everything to the recorder and counts losses.
 class RecorderSink final : public SessionSink {
  public:
   void sample(const DeviceSample& sample, std::uint64_t tick) noexcept override { count(sample, tick); }
@@ -97,7 +97,7 @@ struct HapticThread::State {
     for (Offer& offer : offers) delete offer.pool.load();
   }
 
-  // Haptic thread. After a pause there is no tick: the schedule starts anew.
+  // Haptic thread. No tick after a pause: the schedule restarts.
   void run() noexcept;
   void startUp() noexcept;
   void windDown() noexcept;
@@ -136,16 +136,16 @@ struct HapticThread::State {
   HapticReport report;
   HapticTimes times;
   std::int64_t due = 0;                   // when the next tick begins, ns
-  std::int64_t last_wake = 0;             // of the tick before; 0: there was none, or a pause
+  std::int64_t last_wake = 0;             // of the previous tick; 0: none, or a pause
   std::size_t unsent = 0;                 // bricks; read after the end
   std::vector<FeltVibration> vibrations;  // of the model's tools, or none
 
   TripleBuffer<HapticReport> reports;
   TripleBuffer<HapticTimes> newest_times;
   boost::lockfree::spsc_queue<Command, boost::lockfree::capacity<kMostCommands>> commands;
-  // To the object of that number: made by the keeper, taken by the haptic thread.
+  // For the object of that number: made by the keeper, taken by the haptic thread.
   struct Offer {
-    std::atomic<std::size_t> wanted{0};  // bricks; 0: there is no such object
+    std::atomic<std::size_t> wanted{0};  // bricks; 0: no such object
     std::atomic<BrickPool*> pool{nullptr};
   };
   std::array<Offer, kMostObjects> offers;
@@ -157,14 +157,14 @@ void HapticThread::State::keepPools() {
   while (!is_stopping.load(std::memory_order_acquire)) {
     for (Offer& offer : offers) {
       const std::size_t wanted = offer.wanted.load(std::memory_order_relaxed);
-      if (wanted > 0 && !offer.pool.load(std::memory_order_relaxed))  // without memory: again in a moment
+      if (wanted > 0 && !offer.pool.load(std::memory_order_relaxed))  // no memory: try again soon
         offer.pool.store(BrickPool::make(wanted).release(), std::memory_order_release);
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
 }
 
-// When objects come and go.
+// Call when objects come and go.
 void HapticThread::State::tellKeeper() noexcept {
   const std::vector<CutObject>& objects = session.state().objects;
   for (std::size_t n = 0; n < offers.size(); ++n)
@@ -293,7 +293,7 @@ void HapticThread::State::tick(bool is_stalled) noexcept {
   publish();
 }
 
-// The tick that was just done: its heat, and its peaks.
+// Measures the last tick: heat and peaks.
 void HapticThread::State::measure(const DeviceSample& sample) noexcept {
   ++report.counts.ticks;
   heat.tick(session.state().tool, sample, report.output, session.state().objects);
@@ -305,7 +305,7 @@ void HapticThread::State::measure(const DeviceSample& sample) noexcept {
              now.is_known ? now.surface : HeatReport::kFarOff, distances);
 }
 
-// The force of a tick with what the tool in use makes vibrate.
+// The force of a tick with the vibration of the tool in use.
 DeviceForce HapticThread::State::withVibration(const StepOutput& output) noexcept {
   const kerf::State& now = session.state();
   report.vibration = 0;
@@ -350,7 +350,7 @@ void HapticThread::State::restartSchedule() noexcept {
   last_wake = 0;
 }
 
-// All that is done between two ticks.
+// All work between two ticks.
 bool HapticThread::State::prepareTick() noexcept {
   if (maker && maker->beforeTick(session)) tellKeeper();
   bool has_paused = waitForBricks();
@@ -371,7 +371,7 @@ bool HapticThread::State::waitForBricks() noexcept {
   return true;
 }
 
-// Of the tick that has just ended: its times, and when the next one is due.
+// Records the times of the last tick, and schedules the next one.
 void HapticThread::State::keepTime(std::int64_t wake) noexcept {
   const std::int64_t end = monotonicNow();
   times.lateness.add(wake - due);
@@ -398,7 +398,7 @@ void HapticThread::State::windDown() noexcept {
   session.finish();
   peaks.follow(session.undoList());
   report.output.force = {};
-  // A subscriber is to have all of its feed; but one that is gone is not waited for.
+  // A subscriber gets its whole feed; there is a limit in case it is gone.
   for (int n = 0; n < 2000 && (unsent = exportBricks()) > 0; ++n) sleepUntil(monotonicNow() + kPeriod);
   publish();
   publishTimes();

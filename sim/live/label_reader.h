@@ -1,4 +1,4 @@
-// Labels node by node: the brick of the node before is still at hand.
+// Reads labels node by node and caches the last brick.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ class LabelReader {
  public:
   explicit LabelReader(const TissueLabels& labels) : labels_(labels) {}
 
-  /// Material of a node, by its number on the labels' grid; 0: it has no label.
+  /// Material of a node, by its number on the labels' grid; 0: no label.
   std::uint8_t at(const Vec3i& node) {
     const Vec3i brick = brickOf(node);
     if (brick != brick_) {

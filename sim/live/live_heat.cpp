@@ -31,7 +31,7 @@ void LiveHeat::tick(std::size_t tool, const DeviceSample& sample, const StepOutp
   if (!in_use) return;
 
   if (structures_) {
-    // Where a piece was moved to, its pulp goes with it: the place of the first object counts.
+    // The pulp moves with its piece: the pose of the first object counts.
     const Rigid3 T_object_tool = objects.front().T_world_object.inverse() * output.T_world_tool;
     for (std::size_t n = 0; n < structures_->all().size(); ++n) {
       const Structures::Structure& structure = structures_->all()[n];

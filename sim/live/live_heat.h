@@ -1,7 +1,7 @@
 // The temperature of a running session, for the haptic thread: one tool after the other heats one object.
 //
-// What a tick needs of a tool takes tens of milliseconds to make: the window's thread makes it when the tool is taken,
-// and hands it over. Until then, and without it, nothing is known.
+// The data of a tool take tens of milliseconds to make: the window's thread makes them when the user takes the tool,
+// and hands them over. Without them the temperature is unknown.
 #pragma once
 
 #include <array>
@@ -16,14 +16,14 @@
 
 namespace kerf {
 
-/// Where nothing has been cut, all is as warm as the body.
+/// Uncut places are at body temperature.
 struct HeatReport {
   bool is_known = false;          ///< of the tool in use
   double surface = kBodyCelsius;  ///< of the tissue under the tool, C
-  double pulp_rise = 0;           ///< K above the body's, the warmest of it that the tool came near
-  double nerve_rise = 0;          ///< the same of nerve canals
+  double pulp_rise = 0;           ///< K above the body's, the warmest place near which the tool came
+  double nerve_rise = 0;          ///< the same for nerve canals
   HeatAlarms alarms;
-  /// From the cutting part of the tool to each of Structures::all(), mm. Not a number: farther than is measured.
+  /// From the cutting part of the tool to each of Structures::all(), mm. NaN: beyond the measured range.
   std::array<double, 2> kept_mm{kFarOff, kFarOff};
   static constexpr double kFarOff = std::numeric_limits<double>::quiet_NaN();
 };
@@ -35,10 +35,10 @@ class LiveHeat {
 
   // One thread, not the haptic one.
 
-  /// Pulp and nerve canals of the first object, whose temperature and distance are followed. Before the first tick.
+  /// Pulp and nerve canals of the first object, for temperature and distance. Before the first tick.
   void watch(std::shared_ptr<const Structures> structures) { structures_ = std::move(structures); }
   const Structures* structures() const noexcept { return structures_.get(); }
-  /// From now on this tool heats. A second time, or no tool of the model: nothing.   @cost  some ms.
+  /// From now on this tool heats. A second call, or a tool that is not in the model: no effect.   @cost  some ms.
   void add(std::size_t tool, const ToolSamples& samples, const HeatSource& source);
 
   // The haptic thread.
@@ -48,11 +48,11 @@ class LiveHeat {
             std::span<const CutObject> objects) noexcept;
   const HeatReport& report() const noexcept { return report_; }
 
-  /// How warm everything is now: a replay that goes back begins with it again. A value; tools that were added stay.
+  /// Thermal state: a replay that goes back restores it. A value; added tools stay.
   struct Memory {
     ToolHeat heat;
     HeatReport report;
-    std::vector<std::size_t> turns;  ///< of the tools, in the order in which they were added
+    std::vector<std::size_t> turns;  ///< of the tools, in the order of add()
   };
   Memory memory() const;
   void restore(const Memory& memory);

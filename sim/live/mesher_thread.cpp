@@ -31,8 +31,8 @@ void MesherThread::run(const BrickField& phi0) {
   publish(remesher.changedSince(0));
   std::vector<BrickEdit> edits;
   for (;;) {
-    // Both are asked before the feed is emptied: what was pushed before stop() is still meshed, and what was pushed
-    // before somebody wanted a copy is in it.
+    // Read both before the feed is emptied: bricks pushed before stop() are still meshed, and a requested copy has all
+    // bricks pushed before the request.
     const bool is_last = is_stopping_.load(std::memory_order_acquire), is_wanted = isCopyWanted();
     edits.clear();
     if (feed_.drain(edits) > 0) {

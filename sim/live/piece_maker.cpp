@@ -13,12 +13,12 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// 2 KiB are copied for each: as many as a bur changes in a tick, and more.
+// 2 KiB copied for each: at least as many as a bur changes in a tick.
 constexpr int kPieceEditsATick = 128;
 constexpr std::int64_t kMs = 1'000'000;
 constexpr std::int64_t kLeastPause = 2 * kMs;    // between two searches
 constexpr std::int64_t kCrumbPause = 500 * kMs;  // between two removals of crumbs
-constexpr std::int64_t kPoolPause = 500 * kMs;   // after there was no memory
+constexpr std::int64_t kPoolPause = 500 * kMs;   // after a lack of memory
 constexpr std::size_t kSpare = 2;                // most objects fall in two
 
 std::unique_ptr<PieceFinder> finderOf(const PieceOrigin& piece, const PieceOptions& options) {
@@ -34,19 +34,19 @@ double msBetween(std::int64_t begin_ns, std::int64_t end_ns) { return 1e-6 * sta
 
 }  // namespace
 
-// What the maker knows of one object, whether it is in the scene or undo may bring it back.
+// The maker's data of one object, in the scene or restorable by undo.
 struct PieceMaker::Subscriber {
   std::uint32_t id = 0;
   std::shared_ptr<const BakedObject> baked;
-  std::shared_ptr<const PieceOrigin> origin;  // of a piece, until something of it changes
+  std::shared_ptr<const PieceOrigin> origin;  // for a piece, until it changes
   std::unique_ptr<PieceFinder> finder;
   BrickFeed feed{256};
   std::vector<BrickEdit> edits;
-  std::shared_ptr<BrickFeed> for_others;  // of a piece: what on_piece() is given
-  bool is_changed = false;                // since it was last searched
-  bool wants_pool = false;                // for its pieces: changed since that was made
+  std::shared_ptr<BrickFeed> for_others;  // for a piece: feed for on_piece()
+  bool is_changed = false;                // since its last search
+  bool wants_pool = false;                // for its pieces: changed since the last pool
   std::int64_t whole_at = 0;
-  std::int64_t not_before = 0;  // ns: it was tried in vain
+  std::int64_t not_before = 0;  // ns: after a failed try
 };
 
 PieceMaker::PieceMaker(Session& session, const PieceMakerOptions& options) : options_(options) {
@@ -106,7 +106,7 @@ void PieceMaker::run() {
     std::this_thread::sleep_for(is_waiting ? 200us : 1000us);
   }
 
-  // The haptic thread has ended. What it put into the scene last is announced, too.
+  // The haptic thread has ended. Announces its last pieces, too.
   const Stage last = stage_.load(std::memory_order_acquire);
   if (last == Stage::kDone || last == Stage::kNotNow) settle();
   announcePieces();
@@ -132,7 +132,7 @@ bool PieceMaker::watch() {
     else
       reservePools();
     return is_apart;
-  } catch (const std::bad_alloc&) {  // nothing is split until there is memory again
+  } catch (const std::bad_alloc&) {  // no splits until there is memory again
     return false;
   }
 }
@@ -142,7 +142,7 @@ void PieceMaker::collectBricks() {
     s->feed.drain(s->edits);
     if (s->edits.empty()) continue;
     if (!s->finder) {
-      // The first time it is cut. Not by all cores: nothing waits for this.
+      // At its first cut. Not on all cores: nothing waits for this.
       tbb::task_arena(1).execute([&] { s->finder = finderOf(*s->origin, options_.pieces); });
       s->origin.reset();
     }
@@ -159,7 +159,7 @@ bool PieceMaker::isSearchDue(std::uint64_t cuts) const {
   return is_wanted && now >= next_search_;
 }
 
-// True: an object is in pieces, or has crumbs that are due, and the request is for it.
+// True: an object is in pieces, or has due crumbs, and the request is for it.
 bool PieceMaker::search(std::int64_t taken_at) {
   const std::int64_t now = monotonicNow();
   has_crumbs_ = false;
@@ -171,7 +171,7 @@ bool PieceMaker::search(std::int64_t taken_at) {
     const bool has_crumbs = !list.crumbs.empty() && list.pieces.size() == 1;
 
     if (list.pieces.size() < 2 && !(has_crumbs && now >= crumbs_from_)) {
-      s->is_changed = has_crumbs;  // they can wait, but are not forgotten
+      s->is_changed = has_crumbs;  // postponed, not forgotten
       has_crumbs_ |= has_crumbs;
       s->whole_at = taken_at;
       continue;
@@ -196,11 +196,11 @@ void PieceMaker::requestSplit(const Subscriber& subscriber) {
   request_.whole_at_ns = subscriber.whole_at;
 }
 
-// Its last bricks may be more than fit into the feed at a time.
+// Its last bricks may exceed the feed's size.
 void PieceMaker::drainRequested() {
   try {
     if (Subscriber* const s = find(request_.id)) s->feed.drain(s->edits);
-  } catch (const std::bad_alloc&) {  // what was not taken is still there
+  } catch (const std::bad_alloc&) {  // the rest stays in the feed
   }
 }
 
@@ -211,7 +211,7 @@ void PieceMaker::makeRequested() {
   } catch (...) {
   }
 
-  // Without memory it stays as it is, and is tried again.
+  // Without memory the object stays unchanged, and is tried again.
   try {
     whole.feed.drain(whole.edits);  // some may have been taken before
     whole.finder->apply(whole.edits);
@@ -251,7 +251,7 @@ void PieceMaker::settle() {
   const Answer answer = request_.answer;
   if (request_.made) settlePieces(answer == Answer::kDone);
 
-  // What could not be done comes up again, with the next cut or by itself.
+  // A failed request returns with the next cut or by itself.
   if (Subscriber* const s = find(request_.id); s && answer != Answer::kGone) {
     s->is_changed |= answer != Answer::kDone;
     must_scan_again_ |= answer == Answer::kInAMoment;
@@ -269,10 +269,10 @@ void PieceMaker::settlePieces(bool is_done) {
     if (!is_done && s->for_others && spare_feeds_.size() < kSpare)
       spare_feeds_.push_back(std::move(s->for_others));  // nothing was sent
 
-    // Nothing waits now: only as large as they must be.
+    // No hurry now: shrinks them to the needed size.
     try {
       s->origin = pools_[origin->baked.get()].takeBack(*origin);
-    } catch (const std::bad_alloc&) {  // as it is
+    } catch (const std::bad_alloc&) {  // unchanged
     }
     if (is_done && options_.on_piece) fresh_.push_back(s->origin);
   }
@@ -283,7 +283,7 @@ void PieceMaker::settlePieces(bool is_done) {
   std::reverse(fresh_.begin(), fresh_.end());
 }
 
-// Memory for the pieces of what is being cut. Without it they come later, but they come.
+// Memory for the pieces of objects being cut. Without it pieces come later.
 void PieceMaker::reservePools() noexcept {
   if (monotonicNow() < next_pools_) return;
   try {
@@ -300,7 +300,7 @@ void PieceMaker::reservePools() noexcept {
   }
 }
 
-// Objects that no undo brings back, and their subscribers.
+// Drops objects that no undo can restore, and their subscribers.
 void PieceMaker::dropForgotten() {
   const std::unique_ptr<Split> splits(forgotten_.exchange(nullptr, std::memory_order_acq_rel));
   for (const Split* split = splits.get(); split; split = split->next.get())
@@ -308,7 +308,7 @@ void PieceMaker::dropForgotten() {
       std::erase_if(subscribers_, [&](const auto& s) { return s->id == held.object.id; });
 }
 
-// Pieces that are in the scene now.
+// Announces pieces that are in the scene now.
 void PieceMaker::announcePieces() {
   while (!fresh_.empty()) {
     const std::shared_ptr<const PieceOrigin> origin = std::move(fresh_.back());
@@ -357,7 +357,7 @@ void PieceMaker::freezeRequested(Session& session) noexcept {
   while (frozen_ < objects.size() && objects[frozen_].id != request_.id) ++frozen_;
 
   if (frozen_ == objects.size()) return refuse(Answer::kGone);
-  // What is being added may not hang together yet; what could be redone would be lost.
+  // Added material may not hang together yet; steps to redo would be lost.
   if (session.state().adds != Material::kNone || session.wouldLoseRedo()) return refuse(Answer::kAfterACut);
   if (!session.applyWithin(FreezeObject{frozen_})) return refuse(Answer::kInAMoment);
 
@@ -376,14 +376,14 @@ void PieceMaker::refuse(Answer answer) noexcept {
 bool PieceMaker::putInPlace(Session& session) noexcept {
   const std::size_t before = session.state().objects.size();
 
-  // The pieces take its place, if there are any.
+  // Replaces it by the pieces, if any.
   if (request_.made) {
     const std::size_t crumbs = request_.made->crumbs;
     session.offer(frozen_, std::move(request_.made));
     if (!session.applyWithin(SplitObject{frozen_, request_.crumb_mm3})) request_.answer = Answer::kInAMoment;
-    session.repair();  // where crumbs were: a few bricks, for which a tick has enough free ones
+    session.repair();  // at the crumbs: a few bricks, for which a tick has enough free ones
     if (request_.answer == Answer::kDone) counts_.crumbs += crumbs;
-    request_.made = session.takeOffer();  // to be destroyed by the maker
+    request_.made = session.takeOffer();  // the maker destroys it
   } else if (request_.is_apart) {
     request_.answer = Answer::kInAMoment;
   }

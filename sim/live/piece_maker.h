@@ -1,9 +1,9 @@
-// Finds out when what is being cut is in pieces, and makes objects of them, beside the 1 kHz thread.
+// Detects that the cut object is in pieces, and makes objects of them, beside the 1 kHz thread.
 //
-// Finding takes milliseconds and making tens of them, so a thread of its own does both: the maker. It works on copies
+// Detection takes milliseconds and making tens of them, so a thread of its own does both: the maker. It works on copies
 // of the changed bricks. To make the pieces it needs the object itself at rest, so the object is frozen meanwhile: it
 // is felt, but not cut. Freezing, splitting and unfreezing are commands of Session, done by the haptic thread and
-// recorded; they depend on the state alone, so a replay does them in the same ticks and gets the same bits.
+// recorded. They depend on the state alone, so a replay does them in the same ticks and gets the same bits.
 //
 // The hand-over of one split, with the thread that moves it on:
 //
@@ -49,29 +49,27 @@ struct PieceMakerOptions {
   bool is_wanted = true;
   PieceOptions pieces;
 
-  // Both are called by the maker's thread, which does nothing else meanwhile: they must be quick. What they throw is
-  // dropped. May be empty.
+  // The maker's thread calls both and waits for them: they must be quick. Exceptions are dropped. May be empty.
 
-  /// An object is in pieces, or has crumbs, and is frozen: its pieces are made next. Again when that failed.
+  /// An object is in pieces, or has crumbs, and is frozen: its pieces are made next. Called again after a failure.
   std::function<void(std::uint32_t id)> on_apart;
-  /// Once for each piece, when it is in the scene, those that are in it from the beginning among them (an undo may have
-  /// taken it out again): what it was when it came off, and a feed that has every change since. To draw a piece, make
-  /// its field (PieceOrigin::field()), mesh it and drain the feed, on a thread of its own. A feed that is not drained
-  /// is full one day; that does no harm until the end, when HapticThread::stop() waits for it. When no undo brings the
-  /// object back, the consumer is the last to own its feed.
+  /// Once for each piece in the scene, initial pieces included (an undo may have removed it again): its state when it
+  /// came off, and a feed with every change since. To draw a piece, make its field (PieceOrigin::field()), mesh it and
+  /// drain the feed, on a thread of its own. An undrained feed fills up; that does no harm until the end, when
+  /// HapticThread::stop() waits for it. When no undo can restore the object, the consumer is the last to own its feed.
   std::function<void(std::shared_ptr<const PieceOrigin>, std::shared_ptr<BrickFeed>)> on_piece;
 
-  /// Pieces are made by all cores; false: by the maker's thread alone (see RemesherOptions::is_parallel).
+  /// All cores make the pieces; false: the maker's thread alone (see RemesherOptions::is_parallel).
   bool is_parallel = true;
 };
 
-/// One for a HapticThread, which calls what is marked @rt.
+/// One for a HapticThread, which calls the functions marked @rt.
 ///
-/// Pieces are searched for while something is being cut, every 2 ms or a fourth of the time at most. The first cut of
-/// an object or piece takes this thread up to 1.1 s for memory (a mandible of 148 000 bricks with all memory locked, on
-/// a virtual machine; less else): what splits meanwhile is found after that. Crumbs alone are removed twice a second at
-/// most. An undo that makes pieces appear is no cut: nothing is split until the next one. Nor is anything split while
-/// material is added, which may not hang together yet.
+/// The search for pieces runs during cutting, every 2 ms or a fourth of the time at most. The first cut of an object or
+/// piece takes this thread up to 1.1 s for memory (a mandible of 148 000 bricks with all memory locked, on a virtual
+/// machine; less else): splits in that time are found afterwards. Crumbs alone are removed twice a second at most. An
+/// undo that makes pieces appear is no cut: they are split at the next cut. Nothing is split while material is added,
+/// since it may not hang together yet.
 class PieceMaker {
  public:
   /// @cost 2 µs a brick of the objects.
@@ -85,52 +83,52 @@ class PieceMaker {
 
   // Haptic thread.
 
-  /// Before a tick: freezes, splits or unfreezes. True: the objects of the scene are others now. @rt
+  /// Before a tick: freezes, splits or unfreezes. True: the objects of the scene changed. @rt
   bool beforeTick(Session& session) noexcept;
-  /// After a tick: sends the bricks that changed. @rt
+  /// After a tick: sends the changed bricks. @rt
   void afterTick(Session& session, const StepOutput& output) noexcept;
-  /// After the last tick: what is frozen is unfrozen, and stays as it is. @rt
+  /// After the last tick: unfreezes objects without splitting them. @rt
   void abandon(Session& session) noexcept;
-  /// An object is frozen: no command may be done. @rt
+  /// An object is frozen: commands must wait. @rt
   bool hasFrozen() const noexcept { return is_freezing_; }
 
   struct Counts {
     std::uint64_t splits = 0;
     std::uint64_t pieces = 0;
     std::uint64_t crumbs = 0;
-    /// From the last search that found the object whole to its pieces in the scene: a bound for how long severed
+    /// From the last search that found the object whole to its pieces in the scene: an upper bound for how long severed
     /// pieces were still one object.
     double longest_split_ms = 0;
     double longest_freeze_ms = 0;
   };
-  const Counts& counts() const noexcept { return counts_; }  ///< haptic thread's
+  const Counts& counts() const noexcept { return counts_; }  ///< of the haptic thread
 
  private:
   struct Subscriber;
   enum class Stage : int { kWatching, kWantsFreeze, kNotNow, kFrozen, kReady, kDone };
   enum class Answer {
     kDone,
-    kGone,       // it is not in the scene: undo took it away
-    kAfterACut,  // not while something is added, or could be redone
-    kInAMoment,  // it lacks free bricks
+    kGone,       // not in the scene: removed by undo
+    kAfterACut,  // not during adding, nor while steps can be redone
+    kInAMoment,  // lacks free bricks
   };
   struct Request {
-    // By the maker, before the freeze.
+    // Set by the maker, before the freeze.
     std::uint32_t id = 0;  // of the object
     double crumb_mm3 = 0;
     std::int64_t whole_at_ns = 0;  // when it was last found whole
-    // By the haptic thread, when the object is frozen.
+    // Set by the haptic thread, when the object is frozen.
     const CutObject* whole = nullptr;
     std::uint32_t first_id = 0;
     std::size_t most = 0;
-    // By the maker, when the pieces are ready.
+    // Set by the maker, when the pieces are ready.
     std::unique_ptr<ObjectPieces> made;  // null: none
-    bool is_apart = false;               // though there are none: no memory, or more than there may be objects
-    // By the haptic thread, at the end.
+    bool is_apart = false;               // though none are made: no memory, or too many objects
+    // Set by the haptic thread, at the end.
     Answer answer = Answer::kDone;
   };
 
-  // The maker: one function a stage, and what they are made of.
+  // The maker: one function a stage, and their parts.
   void run();
   bool watch();           // kWatching. True: an object is to be split
   void drainRequested();  // kWantsFreeze
@@ -148,35 +146,35 @@ class PieceMaker {
   Subscriber& subscribe(std::uint32_t id, CutObject& object, std::shared_ptr<const PieceOrigin> origin);
   Subscriber* find(std::uint32_t id);
 
-  // The haptic thread.
+  // Haptic thread.
   void freezeRequested(Session& session) noexcept;  // kWantsFreeze
-  bool putInPlace(Session& session) noexcept;       // kReady. True: the objects are others now
+  bool putInPlace(Session& session) noexcept;       // kReady. True: the objects changed
   void refuse(Answer answer) noexcept;
   void moveOn(Stage to) noexcept { stage_.store(to, std::memory_order_release); }
 
   PieceMakerOptions options_;
 
-  // The maker's.
+  // Maker's thread.
   std::vector<std::unique_ptr<Subscriber>> subscribers_;
-  std::map<const BakedObject*, PiecePool> pools_;  // for the next pieces of each object as loaded that is being cut
+  std::map<const BakedObject*, PiecePool> pools_;  // for the next pieces of each loaded object being cut
   std::vector<std::unique_ptr<Subscriber>> spare_subscribers_;
   std::vector<std::shared_ptr<BrickFeed>> spare_feeds_;
   std::vector<std::shared_ptr<const PieceOrigin>> fresh_;  // pieces in the scene that are not announced yet
   std::uint64_t seen_cuts_ = 0;
-  std::int64_t next_pools_ = 0;   // ns: after there was no memory
+  std::int64_t next_pools_ = 0;   // ns: next try after a lack of memory
   std::int64_t next_search_ = 0;  // ns
-  std::int64_t crumbs_from_ = 0;  // ns: when crumbs alone are removed next
-  bool has_crumbs_ = false;       // that wait for crumbs_from_
-  bool must_scan_again_ = false;  // something is in pieces that has to wait
+  std::int64_t crumbs_from_ = 0;  // ns: next removal of crumbs alone
+  bool has_crumbs_ = false;       // crumbs wait for crumbs_from_
+  bool must_scan_again_ = false;  // an object in pieces has to wait
 
-  // Between the two: see the table above.
+  // Shared: see the table above.
   Request request_;
   std::atomic<Stage> stage_{Stage::kWatching};
-  std::atomic<std::uint64_t> cuts_{0};      // ticks that cut something and whose bricks were sent; haptic thread
-  std::atomic<Split*> forgotten_{nullptr};  // from the haptic thread, to be destroyed by the maker
+  std::atomic<std::uint64_t> cuts_{0};      // ticks that cut and whose bricks were sent; haptic thread
+  std::atomic<Split*> forgotten_{nullptr};  // from the haptic thread; the maker destroys it
   std::atomic<bool> is_stopping_{false};
 
-  // The haptic thread's.
+  // Haptic thread.
   Counts counts_;
   bool is_freezing_ = false;
   bool has_cut_ = false;

@@ -45,7 +45,7 @@ std::string hintFor(const char* limit, const char* value, bool is_privileged) {
       limit, value, programName());
 }
 
-// Touched once, so that the first deep call finds its pages.
+// Touches the pages once, so that the first deep call finds them.
 void prefaultStack() noexcept {
   constexpr std::size_t kBytes = 256 * 1024, kPage = 4096;
   char stack[kBytes];

@@ -1,4 +1,4 @@
-// What the system grants a thread that must not be late, and what to do about what it refuses.
+// Real-time privileges of a thread, and remedies for those the system denies.
 #pragma once
 
 #include <array>
@@ -9,22 +9,22 @@
 namespace kerf {
 
 struct RealTimeRequest {
-  /// SCHED_FIFO priority, 1 to 99; 0: not asked for. Above all ordinary threads, below the kernel's own at 99.
+  /// SCHED_FIFO priority, 1 to 99; 0: ordinary thread. Above all ordinary threads, below the kernel's own at 99.
   int priority = 80;
-  /// Keep all memory of the process, present and future, from being swapped or handed out late.
+  /// Lock all memory of the process, present and future: no swapping, no late allocation.
   bool lock_memory = true;
 };
 
-/// One thing that was refused.
+/// One denied privilege.
 struct RealTimeRefusal {
   std::string what;    ///< "SCHED_FIFO, priority 80"
-  std::string reason;  ///< the system's words
-  std::string hint;    ///< what to do, a sentence
+  std::string reason;  ///< the system's message
+  std::string hint;    ///< remedy, a sentence
   /// One sentence of all three, for a log or a window.
   std::string message() const;
 };
 
-/// What a thread was given. Never an error: without it everything runs, only later at times.
+/// Privileges of a thread. Never an error: without them everything runs, only later at times.
 struct RealTimeGrant {
   int priority = 0;                       ///< of SCHED_FIFO; 0: an ordinary thread
   bool is_memory_locked = false;          ///< by this request; of the whole process, until it is released
@@ -33,23 +33,23 @@ struct RealTimeGrant {
   std::string summary() const;
 };
 
-/// Asks for the calling thread: SCHED_FIFO, locked memory, a prefaulted stack, and timers as exact as the system has
-/// them (an ordinary thread is otherwise woken up to 50 µs late, on purpose). Allocates, makes system calls: once,
+/// Requests for the calling thread: SCHED_FIFO, locked memory, a prefaulted stack, and the system's most exact timers
+/// (the system wakes an ordinary thread up to 50 µs late, on purpose). Allocates and makes system calls: call once,
 /// before the thread's first tick.
 ///
-/// A memory limit (RLIMIT_MEMLOCK) that is smaller than all of memory is taken for a refusal, even where the process
-/// would fit now: with memory locked the next allocation beyond the limit would fail.
+/// A memory limit (RLIMIT_MEMLOCK) below the whole memory counts as a refusal, even if the process would fit now: with
+/// memory locked the next allocation beyond the limit would fail.
 RealTimeGrant askForRealTime(const RealTimeRequest& request = {});
-/// Gives back what the calling thread was granted: ordinary priority, memory unlocked.
+/// Gives back the calling thread's privileges: ordinary priority, memory unlocked.
 void releaseRealTime(const RealTimeGrant& grant) noexcept;
 
-/// ns of the clock that periods are counted by; never goes back.
+/// ns of the clock for periods; never goes back.
 std::int64_t monotonicNow() noexcept;
-/// Sleeps until then (clock_nanosleep, TIMER_ABSTIME on CLOCK_MONOTONIC): no drift, whatever the work in between took.
+/// Sleeps until then (clock_nanosleep, TIMER_ABSTIME on CLOCK_MONOTONIC): no drift, however long the work took.
 ///
 /// Sleeping, not spinning: a thread of SCHED_FIFO that spins owns its core, is throttled by the system for 50 ms of
-/// every second (sched_rt_runtime_us), and on two cores takes one from mesher, recorder and window. What a spin would
-/// win is the wake-up, 15 to 80 µs of 1000 here, which delays the sample and not the force it gives.
+/// every second (sched_rt_runtime_us), and on two cores takes one from mesher, recorder and window. Spinning would save
+/// the wake-up, 15 to 80 µs of 1000 here, which delays the sample but not the force it gives.
 void sleepUntil(std::int64_t monotonic_ns) noexcept;
 
 }  // namespace kerf

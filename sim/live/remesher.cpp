@@ -76,12 +76,12 @@ bool Remesher::remesh(const Vec3i& brick) {
   const auto it = chunks_.find(key);
   if (it == chunks_.end() ? surface_.triangles.empty() : isSame(*it->second, surface_)) return false;
   MeshChunkPtr chunk = makeChunk(brick, version_ + 1, surface_, options_, field_);
-  chunks_[key] = chunk;  // an empty one stays: a reader that has the older one must learn of it
+  chunks_[key] = chunk;  // stores an empty chunk too: readers must replace the older one
   log_.push_back(std::move(chunk));
   return true;
 }
 
-// The box of the nodes that differ by a bit, in the brick's own coordinates: low, high; high < low: none.
+// The box of changed nodes, in the brick's own coordinates: low, high; high < low: none.
 std::pair<Vec3i, Vec3i> Remesher::changedNodes(const BrickEdit& edit) const {
   const BrickValues* const before = field_.valuesAt(edit.brick);
   const float constant = field_.constantAt(edit.brick);

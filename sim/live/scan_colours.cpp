@@ -10,7 +10,8 @@
 namespace kerf {
 namespace {
 
-constexpr double kFull = 1, kNone = 2;  // voxels from the scan: where its colour is all that is seen, and none of it
+constexpr double kFull = 1, kNone = 2;  // voxels from the scan: up to the first only its colour, from the second none
+                                        // of it
 
 std::vector<Box3> boxesOf(const Mesh& mesh) {
   std::vector<Box3> out(mesh.triangles.size());
@@ -65,7 +66,7 @@ struct NearestPlace {
   double squared_distance = std::numeric_limits<double>::infinity();
 };
 
-/// The triangles near a chunk, vertex after vertex: each begins with what was nearest to the one before it.
+/// The triangles near a chunk, vertex after vertex: each search begins at the last nearest triangle.
 class NearTriangles {
  public:
   NearTriangles(const ScanColours& scan, const Box3& box) : mesh_(scan.solid()), numbers_(scan.near(box)) {
@@ -142,7 +143,7 @@ std::vector<Rgba8> scanColours(const MeshChunk& chunk, const ScanColours& scan, 
   std::vector<Rgba8> out = chunk.colours;
   const double voxel = original.voxel();
 
-  // Which vertices lie on the surface as it was scanned, and how much of each.
+  // How far each vertex lies on the scanned surface, 0 to 1.
   std::vector<float> shares(chunk.vertices.size());
   Box3 box;
   for (std::size_t v = 0; v < chunk.vertices.size(); ++v) {

@@ -1,7 +1,7 @@
-// The peaks of a session, kept stroke by stroke: those of strokes that were taken back are told apart.
+// The peaks of a session, kept stroke by stroke, so that undone strokes can be separated.
 //
 // A tick belongs to the stroke that began last, also after its pedal came up: the tool still leaves its hole then. A
-// stroke that changed nothing is no step of undo, and stands.
+// stroke without changes is no step of undo, and stands.
 #pragma once
 
 #include <array>
@@ -22,7 +22,7 @@ struct CutPeaks {
     bool isKnown() const noexcept { return at_s >= 0; }
   };
   Peak contact_N, celsius;                 ///< the largest force on the tool; the warmest tissue under it
-  std::array<Peak, kMostKept> nearest_mm;  ///< the least distance to each structure that is kept
+  std::array<Peak, kMostKept> nearest_mm;  ///< least distance to each kept structure
   double contact_sum = 0;                  ///< N, over the ticks in contact
   std::uint64_t ticks_in_contact = 0;
 
@@ -36,20 +36,20 @@ struct CutPeaks {
 struct SessionPeaks {
   CutPeaks standing, taken_back;
   std::vector<std::string> kept;  ///< ids of CutPeaks::nearest_mm
-  HeatAlarms alarms;              ///< of all strokes: heat is not taken back
+  HeatAlarms alarms;              ///< of all strokes: undo does not reverse heat
 };
 
-/// Belongs to the thread that ticks the session.
+/// For the thread that ticks the session.
 class StrokePeaks {
  public:
   using Distances = std::array<double, CutPeaks::kMostKept>;
 
   StrokePeaks() { steps_.reserve(SessionHistory::kMostSteps + UndoList::kMostNewest); }
   /// After the step.   @param list  Session::undoList().   @param tick  State::tick before the step.
-  /// @param celsius, distances  not a number where nothing is known. @rt
+  /// @param celsius, distances  NaN where unknown. @rt
   void tick(const DeviceSample& sample, const StepOutput& output, const UndoList& list, std::uint64_t tick,
             double celsius, const Distances& distances) noexcept;
-  /// After commands that no tick follows. @rt
+  /// After commands without a following tick. @rt
   void follow(const UndoList& list) noexcept;
 
   CutPeaks standing() const noexcept;
@@ -66,15 +66,15 @@ class StrokePeaks {
   void dropFrom(std::size_t first) noexcept;
   void forgetOldest() noexcept;
 
-  std::vector<Step> steps_;  // as the list has them, the oldest first; reserved
-  std::size_t done_ = 0;     // of them, not taken back
-  std::size_t at_ = kNone;   // the step of the stroke that began last; none: it changed nothing yet
+  std::vector<Step> steps_;  // in the order of the list, oldest first; reserved
+  std::size_t done_ = 0;     // steps that are not undone
+  std::size_t at_ = kNone;   // the step of the stroke that began last; none: no changes yet
   std::uint64_t began_ = 0;  // tick of that stroke
   bool is_pressed_ = false;
   std::uint64_t forgotten_ = 0;
-  CutPeaks stroke_;    // that has no step yet
-  CutPeaks for_good_;  // strokes without a step, and steps too old to be taken back
-  CutPeaks dropped_;   // taken back, and others came in their place
+  CutPeaks stroke_;    // of a stroke without a step yet
+  CutPeaks for_good_;  // strokes without a step, and steps too old to be undone
+  CutPeaks dropped_;   // undone, then replaced by others
 };
 
 }  // namespace kerf

@@ -1,4 +1,4 @@
-// How long things took, counted in a fixed amount of memory: what a thread that must not allocate keeps of its ticks.
+// A histogram of durations in a fixed amount of memory, for threads that must not allocate.
 #pragma once
 
 #include <algorithm>

@@ -44,7 +44,7 @@ float glossOf(Material material) {
   }
 }
 
-/// Of one place: the mean colour of the labelled nodes around it, and how much of them is translucent.
+/// At one place: the mean colour of the labelled nodes around it, and the share of translucent ones.
 struct Mixed {
   Vec3f colour = Vec3f::Zero();
   float labelled = 0;     ///< weight of the nodes with a label, 0 to 1
@@ -59,7 +59,7 @@ class Labels {
 
   /// Over the eight nodes around.
   Mixed at(const Vec3d& p) { return mixed<2>(p); }
-  /// Over 27: where vertices stand on nodes, eight would give the colour of one of them, and borders in stairs.
+  /// Over 27: where vertices stand on nodes, eight would give the colour of one node, and stairs at borders.
   Mixed smoothAt(const Vec3d& p) { return mixed<3>(p); }
 
  private:
@@ -107,7 +107,7 @@ class Labels {
   double nodes_per_mm_;
 };
 
-/// The colour seen at a place, through what is translucent. @param inward  unit.
+/// The colour seen at a place, through translucent tissue. @param inward  unit.
 Vec3f seenThrough(Labels& labels, const Vec3d& start, const Vec3d& inward, const Mixed& first) {
   const float pass = static_cast<float>(std::exp(-kStep / kEnamelDepth));
   Vec3f sum = Vec3f::Zero();

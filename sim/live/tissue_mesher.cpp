@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::array<float, 5> kKernel = {1.0f / 16, 4.0f / 16, 6.0f / 16, 4.0f / 16, 1.0f / 16};
 constexpr int kReach = 2;                       // nodes, of the kernel
-constexpr int kSide = kBrickSide + 2 * kReach;  // of a brick with what is read around it
+constexpr int kSide = kBrickSide + 2 * kReach;  // of a brick with the nodes read around it
 constexpr float kSlope = 0.375f;                // of a share, a voxel, across a plane border
 constexpr int kPlane = kSide * kSide, kCube = kSide * kPlane;
 
@@ -18,7 +18,7 @@ using Cube = std::array<float, kCube>;
 
 constexpr std::size_t cubeIndex(int i, int j, int k) { return static_cast<std::size_t>((i * kSide + j) * kSide + k); }
 
-/// Nodes inside the object as loaded: 1 in `labelled`, and in `wanted` those that are.
+/// Nodes inside the object as loaded: `labelled` is 1, and `wanted` is 1 for wanted tissues.
 struct Shares {
   Cube labelled{}, wanted{};
 };
@@ -44,7 +44,7 @@ void readShares(const BakedObject& object, const TissueSet& set, const Vec3i& br
   }
 }
 
-// Along one axis; good where the kernel does not reach out of the cube.
+// Along one axis; valid where the kernel stays within the cube.
 void smoothAlong(int step, Cube& values) {
   static thread_local Cube before;
   before = values;

@@ -9,7 +9,7 @@
 namespace kerf {
 namespace {
 
-/// Of the eight nodes around a point, weighted as trilinear interpolation does.
+/// Mean colour of the eight nodes around a point, with trilinear weights.
 class MeanColour {
  public:
   MeanColour(const TissueLabels& labels, const TissuePalette& palette)

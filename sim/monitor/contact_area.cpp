@@ -22,7 +22,7 @@ Vec3f normalOf(const ToolField& field, const Vec3f& p) {
 }  // namespace
 
 ContactArea::ContactArea(const ToolModel& tool, const ToolSamples& samples, const Vec3d& flank) {
-  constexpr float kInBody = -0.005f;  // mm: as near to the surface as samples are
+  constexpr float kInBody = -0.005f;  // mm: distance of samples from the surface
   const float steep = std::sqrt(0.5f);
   const auto isFront = [&](const Vec3f& normal) {
     if (std::abs(normal.dot(flank.cast<float>())) > steep) return false;
@@ -68,7 +68,7 @@ ContactArea::Reading ContactArea::read(std::span<const CutObject> objects, std::
 
   Reading out;
   if (!(close > 0)) return out;
-  // This tick's samples stand for the same share of the surface in every tick.
+  // Each tick's samples represent the same share of the surface.
   out.area = static_cast<double>(close / looked_at) * whole_;
   out.middle = (middle / close).cast<double>();
   return out;

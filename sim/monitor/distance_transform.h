@@ -15,8 +15,8 @@ class DistanceTransform {
  public:
   static constexpr float kNone = 1e20f;  ///< no seed in the box
   /// @param seeds  one number a node, z fastest: 1 a seed, 0 none.   @param size  nodes along each axis, >= 1.
-  /// @param low, high  the part wanted: low <= node < high; it may reach out of the box, or lie beside it.
-  /// @return  its values, z fastest, valid until the next call.  O(nodes); where no seeds are next to nothing.
+  /// @param low, high  the wanted part: low <= node < high; it may reach out of the box, or lie beside it.
+  /// @return  its values, z fastest, valid until the next call.  O(nodes); almost free where there are no seeds.
   std::span<const float> run(std::span<const std::uint8_t> seeds, const Vec3i& size, const Vec3i& low,
                              const Vec3i& high);
 

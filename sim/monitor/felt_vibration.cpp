@@ -11,7 +11,7 @@ namespace {
 using internal::fade;
 using internal::usable;
 
-// Of the load. The last three from facts about handpieces and saws, the shares of a drill chosen.
+// Shares of the load. The last three from facts about handpieces and saws, the shares of a drill chosen.
 constexpr double kFeltChips = 0.02, kChipsOfDrill = 0.05, kChipsAtStall = 0.08;
 constexpr double kFeltRunOut = 0.0075, kLips = 0.02, kStroke = 0.04;
 constexpr double kStalls = 0.3;  // of the free speed: below it chips grow
@@ -43,14 +43,14 @@ FeltSource feltSource(const Tool& tool, const ToolDrive& drive) {
 FeltVibration::FeltVibration(const FeltSource& source, double rate, std::uint64_t seed) noexcept
     : source_(source), rate_(rate >= 800 && rate <= 1e5 ? rate : 0), noise_(seed) {
   if (rate_ <= 0) return;
-  // Evenly distributed noise has a variance of 1/3, the filter's gain at its middle is 1 / damping, and of white noise
-  // a band pass of gain 1 leaves d g / (1 + d g + g^2) of the variance.
+  // Evenly distributed noise has a variance of 1/3, the filter's gain at its middle is 1 / damping. A band pass of gain
+  // 1 leaves d g / (1 + d g + g^2) of the variance of white noise.
   const double damping = kWidth / kMiddle;
   g_ = std::tan(std::numbers::pi * kMiddle / rate_);
   even_ = damping * std::sqrt(3 * (1 + damping * g_ + g_ * g_) / (damping * g_));
 }
 
-// Over the load.
+// Relative to the load.
 double FeltVibration::chips(double speed_share, Material material) noexcept {
   const double noise = even_ * band_.next(noise_.next(), g_, kWidth / kMiddle);
   const bool is_hard_drilled = source_.kind == FeltSource::Kind::kDrill && material == Material::kCortical;
@@ -59,7 +59,7 @@ double FeltVibration::chips(double speed_share, Material material) noexcept {
   return share * std::clamp(noise, -kLargestPeak, kLargestPeak);
 }
 
-// Over the load. Below 10 Hz it would be a push, above 0.4 of the rate it would fold back.
+// Relative to the load. Below 10 Hz it would push, above 0.4 of the rate it would alias.
 double FeltVibration::tone(double speed) noexcept {
   const double frequency = usable(std::abs(speed) * source_.cycles_per_speed, 0.5 * rate_);
   phase_ += internal::phaseStep(frequency, rate_);

@@ -1,5 +1,5 @@
-// The vibration of a tool as a force on the hand, below 400 Hz: what a hand feels of it. Skin feels best at 50 to 300
-// Hz; a turbine turns at 6 kHz, of which nothing is left. The step's force is the mean over a cycle and has none of it.
+// The vibration of a tool as a force on the hand, below 400 Hz. Skin feels best at 50 to 300 Hz; of a turbine's 6 kHz
+// nothing is left. The step's force is the mean over a cycle and has no vibration.
 //
 //   chips    noise of 50 to 300 Hz: rms 2 % of the load, 5 % of a drill in cortical bone, growing to 8 % as the drive
 //            falls below 0.3 of its free speed. A bur that stalls is felt, then quiet.
@@ -9,8 +9,8 @@
 //   start    0.02 N at 80 Hz, gone within 0.1 s. In air there is nothing else.
 //
 // Along one direction: above 50 Hz a hand does not tell directions apart (Landin et al., EuroHaptics 2010). Shares are
-// chosen from what was measured of handpieces. Added to the force of the coupling: it has no stiffness and so no part
-// in the coupling's stability, and over 0.1 s its mean is zero.
+// chosen from measurements of handpieces. Added to the force of the coupling: it has no stiffness, so it does not
+// affect the coupling's stability, and its mean over 0.1 s is zero.
 #pragma once
 
 #include <cstdint>
@@ -20,17 +20,17 @@
 
 namespace kerf {
 
-/// How a tool is felt: from its geometry and drive.
+/// Vibration source of a tool, from its geometry and drive.
 struct FeltSource {
   enum class Kind { kTurbine, kMotor, kDrill, kSaw };
   Kind kind = Kind::kTurbine;
   double cycles_per_speed = 0;               ///< Hz per unit of ToolDrive::speed
   double free_speed = 0;                     ///< ToolDrive::speed
-  Vec3d direction_in_tool = Vec3d::UnitX();  ///< unit vector: of a saw along its stroke
+  Vec3d direction_in_tool = Vec3d::UnitX();  ///< unit vector: for a saw along its stroke
 };
 FeltSource feltSource(const Tool& tool, const ToolDrive& drive);
 
-/// Of one sample.
+/// Input of one sample.
 struct FeltInput {
   double speed = 0;                       ///< StepOutput::speed
   double load = 0;                        ///< N: StepOutput::normal_load
@@ -59,7 +59,7 @@ class FeltVibration {
   internal::WhiteNoise noise_;
   internal::BandPass band_;
   std::uint32_t phase_ = 0;  // of the drive
-  double kick_ = 0;          // N, what is left of it
+  double kick_ = 0;          // N, rest of the start kick
   std::uint32_t kick_phase_ = 0;
   bool is_at_rest_ = true;
 };

@@ -126,7 +126,7 @@ void Heat::touch(const HeatInput& in, double dt) noexcept {
   away_ = 0;
   contact_ = std::min(contact_ + dt, kLongest);
 
-  // Means of what comes in.
+  // Means of the inputs.
   averaged_ += dt;
   const double blend = std::min(1.0, dt / std::min(averaged_, kMean));
   const ThermalProperties& tissue = thermalProperties(in.material);
@@ -138,7 +138,7 @@ void Heat::touch(const HeatInput& in, double dt) noexcept {
   mean(capacity_, tissue.heat_capacity);
   if (in.velocity.allFinite()) velocity_ += blend * (in.velocity - velocity_);
 
-  // Ways out, each a conductance, mW/K.
+  // Heat losses, each a conductance, mW/K.
   const double wet = boundedHeat(in.irrigation, 1);
   const double area = std::max(area_, std::max(source_.least_area, 1e-6));
   radius_ = std::sqrt(area / std::numbers::pi);
@@ -188,7 +188,7 @@ void Heat::closePulse() noexcept {
 void Heat::watch(Structure structure, const Vec3d& point) noexcept { probes_[structure].watch(point, pulses_, time_); }
 
 void Heat::alarm(double dt) noexcept {
-  constexpr unsigned kEvery = 16;  // ticks: half a millimetre off nothing changes sooner
+  constexpr unsigned kEvery = 16;  // ticks: half a millimetre away nothing changes sooner
   if (rise(kPulp) >= kPulpLimitRise && alarms_.pulp < 0) alarms_.pulp = time_;
   if (!isBone(material_)) return;
 

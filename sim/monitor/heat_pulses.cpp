@@ -17,8 +17,8 @@ void HeatPulses::add(double energy, const Vec3d& place, double time, const Therm
 }
 
 void HeatPulses::mergeNearestPair(double now) noexcept {
-  // What a union moves is the weight m = w1 w2 / (w1 + w2), by dt of its age and dx of its width sqrt(4 alpha tau).
-  // Ages count from a fifth of a second on: what is younger has not come anywhere yet.
+  // A union moves the weight m = w1 w2 / (w1 + w2), by dt of its age and dx of its width sqrt(4 alpha tau). Ages count
+  // from a fifth of a second on: younger heat has not spread yet.
   constexpr double kYoungest = 0.2;  // s
   const auto count = static_cast<std::size_t>(count_);
   std::size_t first = 0, second = 1;

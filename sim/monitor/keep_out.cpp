@@ -20,14 +20,14 @@ using internal::DistanceTransform;
 
 constexpr int kApron = kBrickSide + 1;  // nodes along the side of a stored brick
 constexpr std::size_t kApronNodes = kApron * kApron * kApron;
-// Nodes transformed at a time. What lies around a block is transformed with it, 100 nodes on each side for 5 mm at
-// 0.05 mm: 71 times the block itself for a side of 64, 17 times for 128.
+// Nodes transformed at a time. A halo around a block is transformed with it, 100 nodes on each side for 5 mm at 0.05
+// mm: 71 times the block itself for a side of 64, 17 times for 128.
 constexpr int kBlockLog = 7, kBlockSide = 1 << kBlockLog;
 constexpr std::int32_t kNothing = -1, kDeep = -2;
 
 using Mask = std::bitset<kBrickNodes>;
 
-// Place of a cell in a box of `size`, z fastest.
+// Index of a cell in a box of `size`, z fastest.
 std::size_t indexIn(const Vec3i& size, int x, int y, int z) {
   return (static_cast<std::size_t>(x) * static_cast<std::size_t>(size[1]) + static_cast<std::size_t>(y)) *
              static_cast<std::size_t>(size[2]) +
@@ -36,10 +36,10 @@ std::size_t indexIn(const Vec3i& size, int x, int y, int z) {
 std::size_t indexIn(const Vec3i& size, const Vec3i& at) { return indexIn(size, at[0], at[1], at[2]); }
 std::size_t cellsOf(const Vec3i& size) { return static_cast<std::size_t>(size.cast<std::int64_t>().prod()); }
 
-// Which nodes are the structure's, by brick.
+// Nodes of the structure, by brick.
 struct Structure {
   const BakedObject* object = nullptr;
-  bool is_solid = false;                   // all of the object: its field says more than its nodes
+  bool is_solid = false;                   // the whole object: its field is more exact than its nodes
   std::vector<std::int32_t> mask_of_slot;  // -1: none
   std::vector<Mask> masks;
   Vec3i low, high;  // bricks that have some: low <= brick < high
@@ -77,7 +77,7 @@ Structure collect(const BakedObject& object, std::span<const Material> materials
   return out;
 }
 
-// Blocks that may hold a node within `reach` voxels of the structure: distances between bricks tell.
+// Blocks that may hold a node within `reach` voxels of the structure, by the distances between bricks.
 std::vector<Vec3i> blocksNear(const Structure& structure, double reach, std::size_t* bricks_near) {
   const int margin = static_cast<int>(std::ceil(reach / kBrickSide)) + 1;
   const Vec3i low = structure.low - Vec3i::Constant(margin),
@@ -119,7 +119,7 @@ struct BlockWork {
   std::vector<float> field;  // 129^3, mm
 };
 
-// The nodes of a box, z fastest: `in` where they are the structure's, `out` elsewhere.
+// The nodes of a box, z fastest: `in` for nodes of the structure, `out` elsewhere.
 void markNodes(const Structure& structure, const Vec3i& low, const Vec3i& size, std::uint8_t in, std::uint8_t out,
                std::vector<std::uint8_t>& nodes) {
   nodes.assign(cellsOf(size), out);
@@ -141,7 +141,7 @@ void markNodes(const Structure& structure, const Vec3i& low, const Vec3i& size, 
       }
 }
 
-// In its band the baked field of a solid is the distance itself, exact between nodes, too. Beyond it is a constant.
+// In its band the baked field of a solid is the distance itself, also between nodes. Beyond it is a constant.
 void takeBand(const Structure& structure, const Vec3i& first, const FieldLimits& limits, std::vector<float>& field) {
   const BakedObject& object = *structure.object;
   constexpr int kOut = kBlockSide + 1;
@@ -180,7 +180,7 @@ void transformBlock(const Structure& structure, const Vec3i& block, const FieldL
   constexpr int kOut = kBlockSide + 1;
   work.field.assign(kOut * kOut * kOut, static_cast<float>(limits.most_distance));
 
-  // What is around the block, where there is any of the structure: far from it, often a corner.
+  // The block with its halo, clipped to the structure: far from it, often a corner.
   const Vec3i low = (first - Vec3i::Constant(halo)).cwiseMax(kBrickSide * structure.low);
   const Vec3i high = (first + Vec3i::Constant(kOut + halo)).cwiseMin(kBrickSide * structure.high);
   if ((high.array() <= low.array()).any()) return;
@@ -193,7 +193,7 @@ void transformBlock(const Structure& structure, const Vec3i& block, const FieldL
     work.field[m] = static_cast<float>(std::min(distance(outside[m]), limits.most_distance));
   }
 
-  // The same from within, to the nearest node that is not the structure's.
+  // The same inside, to the nearest node outside the structure.
   if (has_inside) {
     const Vec3i around = Vec3i::Constant(depth), size = Vec3i::Constant(kOut) + 2 * around;
     markNodes(structure, first - around, size, 0, 1, work.seeds);
@@ -220,7 +220,7 @@ Expected<void> checkOptions(const KeepOutOptions& options, double h) {
 
 constexpr int kMostStride = 8;
 
-// The stride to try first: a guess of the memory that is rather too large, so that it is mostly the right one.
+// The stride to try first: overestimates the memory, so that it is mostly right.
 int firstStride(std::size_t bricks_near, std::size_t most_bytes) {
   const double bytes_per_brick = kApronNodes * sizeof(float);
   int stride = 1;
@@ -429,8 +429,8 @@ KeepOut::Reading KeepOut::read(const ToolSamples& samples, const Rigid3& T_objec
     }
   if (first) test(*first);
 
-  // Then those that could still be nearer: no sample is nearer than its group's centre less the radius, but for what a
-  // field in voxels rounds.
+  // Then groups that could still be nearer: no sample is nearer than its group's centre less the radius, but for the
+  // rounding of a voxel field.
   const auto slack = static_cast<float>(spacing_);
   for (const ToolSamples::Group& group : samples.groups())
     if (&group != first && distance(place(group.center)) - group.radius - slack < best) test(group);

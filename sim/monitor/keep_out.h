@@ -1,8 +1,8 @@
-// How far the tool is from what must not be touched: pulp, nerve canal, a neighbouring tooth.
+// Distance of the tool to structures it must not touch: pulp, nerve canal, a neighbouring tooth.
 //
 // At load, a signed distance field to a structure (the nodes labelled with certain materials) is made from a baked
-// object; at each tick the least of it over points on the tool's cutting part is the distance. When the tool touches
-// the cut surface, that is also the thickness of tissue left between cut and structure.
+// object. At each tick the distance is its minimum over points on the tool's cutting part. When the tool touches the
+// cut surface, that is also the thickness of tissue left between cut and structure.
 //
 // Distances are exact Euclidean ones between nodes (lower envelopes of parabolas, one axis after the other:
 // Felzenszwalb & Huttenlocher, Theory Comput 2012;8:415), less half a voxel, because a labelled node stands for its
@@ -35,7 +35,7 @@ class ToolSamples {
   bool isEmpty() const { return points_.empty(); }
   /// Tool frame, mm, on the surface within 5 um.
   std::span<const Vec3f> points() const { return points_; }
-  /// mm^2 of the surface that each of them stands for; together all of it, within a few per cent.
+  /// mm^2 of the surface around each of them; together all of it, within a few per cent.
   std::span<const float> areas() const { return areas_; }
   /// No point of the surface is farther from the nearest sample than this, mm.
   double spacing() const { return spacing_; }
@@ -57,15 +57,15 @@ class ToolSamples {
 };
 
 struct KeepOutOptions {
-  double most_distance = 5;              ///< mm: farther counts as this. Memory grows with it
-  double most_depth = 1;                 ///< mm: deeper inside the structure counts as this; at most most_distance
+  double most_distance = 5;              ///< mm: larger distances count as this. Memory grows with it
+  double most_depth = 1;                 ///< mm: larger depths in the structure count as this; at most most_distance
   std::size_t most_bytes = 200'000'000;  ///< of the field; see above
 };
 
-/// Never changes once made; reading is safe from any thread.
+/// Never changes once made; any thread may read.
 class KeepOut {
  public:
-  static constexpr double kMostVoxels = 200;  ///< most_distance can be no more of them
+  static constexpr double kMostVoxels = 200;  ///< upper limit of most_distance, in voxels
 
   /// The nodes of `object` that lie inside it (phi0 <= 0) and are of one of `materials`.
   /// Error kNotFound: there are none; kBadValue: options out of range, or a field that exceeds most_bytes at every
@@ -74,7 +74,7 @@ class KeepOut {
                                                        const KeepOutOptions& options = {},
                                                        const Progress& progress = {});
 
-  /// All of `object` as loaded, whatever it is made of: a neighbouring tooth. In the band of its baked field (3 voxels
+  /// All of `object` as loaded, of any material: a neighbouring tooth. In the band of its baked field (3 voxels
   /// outside, 4 inside) distances are that field's own, good to a twentieth of a voxel at flat places; farther out they
   /// are those between nodes.
   /// @cost  on 2 cores 0.7 s for a molar at 0.1 mm (44 MB), 7 s at 0.05 mm, 14 s for a mandible at 0.1 mm.
@@ -87,10 +87,10 @@ class KeepOut {
 
   struct Reading {
     double distance = 0;          ///< mm, negative: in the structure; most_distance: that far or farther
-    Vec3d point = Vec3d::Zero();  ///< of the tool, where, object frame, mm
-    bool is_far = true;           ///< nothing of the structure within most_distance
+    Vec3d point = Vec3d::Zero();  ///< nearest point of the tool, object frame, mm
+    bool is_far = true;           ///< no part of the structure within most_distance
   };
-  /// Of the tool. @pre samples are not empty.  @rt safe.  @cost below 20 microseconds for 400 samples.
+  /// Distance of the tool. @pre samples are not empty.  @rt safe.  @cost below 20 microseconds for 400 samples.
   Reading read(const ToolSamples& samples, const Rigid3& T_object_tool) const noexcept;
 
   double spacing() const { return spacing_; }  ///< of the stored nodes, mm: the object's voxel or a multiple

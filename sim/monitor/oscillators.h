@@ -15,10 +15,10 @@ inline double fade(double x, double from, double to) noexcept {
   return t * t * (3 - 2 * t);
 }
 
-/// `x` within 0 to `most`; 0 for what is not finite.
+/// `x` within 0 to `most`; 0 if it is not finite.
 inline double usable(double x, double most) noexcept { return std::isfinite(x) ? std::clamp(x, 0.0, most) : 0; }
 
-/// Of a phase of 2^32 a turn. A polynomial over a quarter turn either way, within 4e-6: the library's sine differs
+/// Sine of a phase of 2^32 a turn. A polynomial over a quarter turn either way, within 4e-6: the library's sine differs
 /// between systems in the last bit.
 inline double sine(std::uint32_t phase) noexcept {
   auto quarter = static_cast<std::int32_t>(phase);
@@ -28,7 +28,7 @@ inline double sine(std::uint32_t phase) noexcept {
   return x * (1 + x2 * (-1.0 / 6 + x2 * (1.0 / 120 + x2 * (-1.0 / 5040 + x2 * (1.0 / 362880)))));
 }
 
-/// How far a phase goes in one of `rate` samples a second.
+/// Phase step of one sample, at `rate` samples a second.
 inline std::uint32_t phaseStep(double frequency, double rate) noexcept {
   return static_cast<std::uint32_t>(static_cast<std::int64_t>(frequency / rate * 4294967296.0));
 }

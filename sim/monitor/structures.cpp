@@ -15,7 +15,7 @@ KeepOutOptions keepOutReach(double voxel) {
 Expected<std::shared_ptr<const Structures>> Structures::of(const BakedObject& object, const Progress& progress) {
   const std::shared_ptr<Structures> out(new Structures);
   const KeepOutOptions options = keepOutReach(object.voxel());
-  // As the fields have it: what they say of a far place is no nearer than that.
+  // As float, like the fields: their value for a far place is then not below the reach.
   out->reach_ = static_cast<double>(static_cast<float>(options.most_distance));
   for (const auto& [material, id] :
        {std::pair(Material::kPulp, "pulp"), std::pair(Material::kNerveCanal, "nerve_canal")}) {

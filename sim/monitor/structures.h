@@ -1,5 +1,4 @@
-// What of an object must be kept: its pulp, its nerve canals. Where they are as loaded, and how far a tool is from
-// them.
+// Structures of an object to keep, its pulp and nerve canals: their place as loaded, and a tool's distance to them.
 #pragma once
 
 #include <memory>
@@ -11,11 +10,11 @@
 
 namespace kerf {
 
-/// Of a tool. A taper of 8 mm then has a sample every 0.18 mm; between two of them it is nearer to something flat by
-/// 0.02 mm. It takes 6 us to read.
+/// Samples of a tool. A taper of 8 mm then has one every 0.18 mm. Between two samples the tool is nearer to a flat
+/// surface by 0.02 mm. Reading takes 6 us.
 inline constexpr int kToolSamples = 1600;
 
-/// Never changes once made; reading is safe from any thread.
+/// Never changes once made; any thread may read.
 class Structures {
  public:
   struct Structure {
@@ -24,8 +23,7 @@ class Structures {
     std::shared_ptr<const KeepOut> field;  ///< object frame
   };
 
-  /// Those that the object has; none is no error.   Errors: those of KeepOut::make(), but kNotFound;
-  /// kCancelled.
+  /// The object's structures; none is no error.   Errors: those of KeepOut::make(), but kNotFound; kCancelled.
   /// @cost  seconds for a mandible's canals; at most 200 MB for each structure.
   static Expected<std::shared_ptr<const Structures>> of(const BakedObject& object, const Progress& progress = {});
 
@@ -36,11 +34,12 @@ class Structures {
     std::size_t structure = 0;  ///< of all()
     KeepOut::Reading reading;
   };
-  /// To a tool.   @pre samples are not empty, nor is this.   @rt safe.   @cost  below 20 us a structure.
+  /// The structure nearest to a tool.   @pre samples are not empty, nor is this.   @rt safe.   @cost  below 20 us a
+  /// structure.
   Nearest nearest(const ToolSamples& samples, const Rigid3& T_object_tool) const noexcept;
-  /// Of a point of the object's frame, mm: reach() if all is that far or farther.   @rt safe.
+  /// Least distance of a point of the object's frame, mm: reach() if that far or farther.   @rt safe.
   double distance(const Vec3d& p) const noexcept;
-  /// What lies farther away is not measured, mm: 5, or 200 voxels if these are small.
+  /// Largest measured distance, mm: 5, or 200 voxels if these are small.
   double reach() const noexcept { return reach_; }
 
  private:
@@ -49,7 +48,7 @@ class Structures {
   double reach_ = 0;
 };
 
-/// The default reach of a keep-out field, or the nearest to it that this voxel allows.
+/// The default reach of a keep-out field, or the nearest value that this voxel allows.
 KeepOutOptions keepOutReach(double voxel);
 
 }  // namespace kerf

@@ -47,7 +47,7 @@ void ToolHeat::tick(HeatingTool& tool, const DeviceSample& sample, const StepOut
   HeatInput heat;
   heat.is_touching = output.touching > 0;
   if (heat.is_touching) {
-    // This tick's samples are a few of all: what they say is worth as much as they are.
+    // This tick reads a few of all samples: they count by their share.
     touched_s_ = std::min(touched_s_ + kTick, Heat::kMean);
     const ContactArea::Reading close = tool.close.read(objects, output.objects_touched, outOfTissue(output));
     area_ = close.area;

@@ -1,7 +1,7 @@
-// How warm a tool makes what it cuts, tick by tick: what of the tool is close to tissue, the drive's power through it,
-// and the temperature of pulp and nerve where the tool came near. The laws are those of sim/monitor/heat.h.
+// Heat of a tool in tissue, tick by tick: its area close to tissue, the drive's power through it, and the temperature
+// of pulp and nerve where the tool came near. The laws are those of sim/monitor/heat.h.
 //
-// A session changes its tools: the tissue stays as warm as it is, what heats it is another.
+// When a session changes its tool, the tissue keeps its temperature and the heat source changes.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace kerf {
 
-/// What of a tool heats tissue.
+/// Heat data of a tool.
 struct HeatingTool {
   /// @param samples  of its cutting part.   @cost  some ms.
   HeatingTool(const ToolModel& tool, const ToolSamples& samples, const HeatSource& heat_source = {});
@@ -24,17 +24,17 @@ struct HeatingTool {
   Vec3d middle;  ///< of its cutting part, tool frame, mm
 };
 
-/// A value; belongs to the thread that ticks it.
+/// A value; for the thread that ticks it.
 class ToolHeat {
  public:
   explicit ToolHeat(const HeatSettings& settings = {}) noexcept : heat_({}, settings) {}
 
   /// After step(): the tool in use cuts, or does not.
-  /// @param tool  which it is.   @param objects  those of the session now; the first is the one that is watched.
+  /// @param tool  the tool in use.   @param objects  current objects of the session; the first is the watched one.
   /// @rt safe.   @cost  about 6 us.
   void tick(HeatingTool& tool, const DeviceSample& sample, const StepOutput& output,
             std::span<const CutObject> objects) noexcept;
-  /// The temperature of a structure of the first object is followed from now on, where the tool is nearest to it.
+  /// Watches the temperature of a structure of the first object from now on, where the tool is nearest to it.
   /// @param nearest  of the tool to it, object frame.   @rt safe.
   void watch(Material structure, const KeepOut& field, const KeepOut::Reading& nearest) noexcept;
 
@@ -46,7 +46,7 @@ class ToolHeat {
   Heat heat_;
   const HeatingTool* tool_ = nullptr;  // of the last tick
   double area_ = 0, touched_s_ = 0;
-  Vec3d middle_ = Vec3d::Zero();  // of the area, tool frame, mm: the mean, as last known
+  Vec3d middle_ = Vec3d::Zero();  // of the area, tool frame, mm: last known mean
   Rigid3 T_object_before_;        // pose of the tool in the first object at the last tick
   bool has_before_ = false;
 };

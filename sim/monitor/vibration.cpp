@@ -13,7 +13,7 @@ using internal::usable;
 
 // Shares of the whole; together 1. Chosen.
 constexpr double kRunOut = 0.25, kHarmonic = 0.1, kTeeth = 0.2, kTeethTwice = 0.1, kChips = 0.35;
-// Of the run-out in air, of that at full load: an idle handpiece is quieter than one that works. Chosen.
+// Run-out in air relative to full load: an idle handpiece is quieter. Chosen.
 constexpr double kIdle = 0.4;
 
 // Middle of the chips' band, Hz: harder rings higher. Chosen.
@@ -90,8 +90,7 @@ float Vibration::sample(double frequency, double load) noexcept {
     sum += kTeeth * drive * load * tone(z * frequency) * sine(z * phase_);
     sum += kTeethTwice * drive * load * tone(2 * z * frequency) * sine(2 * z * phase_);
   } else if (source_.teeth > 0) {
-    // The stroke stands at teeth / 2 * sin(phase) pitches from its middle; at its fastest pi * teeth * f go by a
-    // second.
+    // The stroke is teeth / 2 * sin(phase) pitches from its middle; at its fastest pi * teeth * f pass in a second.
     const double fastest = std::numbers::pi * source_.teeth * frequency;
     const double at = 0.5 * source_.teeth * sine(phase_) * 4294967296.0;
     const auto passed = static_cast<std::uint32_t>(static_cast<std::int64_t>(at));
@@ -110,7 +109,7 @@ void Vibration::render(const VibrationInput& in, std::span<float> out) noexcept 
     std::fill(out.begin(), out.end(), 0.0f);
     return;
   }
-  // The drive never turns faster than the samples can tell apart: what is beyond has faded.
+  // Limits the frequency to half the rate: faster tones have faded.
   const double frequency = usable(std::abs(in.speed) * source_.cycles_per_speed, 0.5 * rate_);
   const double load = usable(in.load, 1), middle = bandMiddle(in.material);
 

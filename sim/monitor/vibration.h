@@ -1,5 +1,5 @@
 // Vibration and sound of a tool as a stream of samples at any rate: 4 kHz for a haptic channel, 44.1 or 48 kHz for
-// sound. Apart from the 1 kHz step, whose force is the mean over a cycle and cannot carry a spindle's frequency.
+// sound. Separate from the 1 kHz step, whose force is the mean over a cycle and cannot carry a spindle's frequency.
 //
 // Three parts, of fixed shares, so that their sum stays within -1 to 1:
 //   run-out  the drive's own frequency and one harmonic. The frequency f is rpm/60 of a spindle, cycles per second of
@@ -7,12 +7,12 @@
 //   teeth    blades that pass, twice: z f and 2 z f of a spindle; of a blade the ripple of its pitch, whose pace
 //            follows the stroke. Only under load.
 //   chips    noise in a band whose middle is the material's, growing with load.
-// A turbine's sound is that: a first group at rpm/60, its harmonic, and a broad part from 5 to 15 kHz (spectra of
+// This matches a turbine's sound: a first group at rpm/60, its harmonic, and a broad part from 5 to 15 kHz (spectra of
 // handpieces: doi 10.1007/s007840050078).
 //
-// Phase runs on whatever changes; speed and load go linearly from one call's values to the next's. Tones fade out below
-// 10 Hz, where they would be a push, and above 0.4 of the rate, where they would fold back. Mean zero but for what a
-// window cuts off. Deterministic: own noise, own sine, phases in whole numbers; the same bits everywhere.
+// Phase is continuous under any change; speed and load are interpolated linearly from one call to the next. Tones fade
+// out below 10 Hz, where they would push the hand, and above 0.4 of the rate, where they would alias. The mean is zero,
+// but for the edges of a window. Deterministic: own noise, own sine, integer phases; the same bits everywhere.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@
 
 namespace kerf {
 
-/// How a tool sounds: from its geometry and drive.
+/// Sound source of a tool, from its geometry and drive.
 struct VibrationSource {
   ToolMotion motion = ToolMotion::kSpin;
   double cycles_per_speed = 0;   ///< Hz per unit of ToolDrive::speed
@@ -32,20 +32,20 @@ struct VibrationSource {
   /// kSpin: blades around; else teeth passed in one stroke one way. 0: grains, no tooth tone.
   double teeth = 0;
 };
-/// Blades: those of the shape where it says (a drill has two), else six for carbides (chosen; catalogues have 6 to 12)
-/// and none for diamonds; of saws from pitch and stroke.
+/// Blades: the shape's number if given (a drill has two), else six for carbides (chosen; catalogues have 6 to 12) and
+/// none for diamonds; for saws from pitch and stroke.
 VibrationSource vibrationSource(const Tool& tool, const ToolDrive& drive);
 
-/// Of one tick.
+/// Input of one tick.
 struct VibrationInput {
   double speed = 0;                       ///< StepOutput::speed: rad/s, mm/s, as ToolDrive
   double load = 0;                        ///< 0 to 1: StepOutput::cutting_load over a firm hand's (kFirmLoad)
   Material material = Material::kDentin;  ///< under the tool
 };
-/// The load that counts as full, N: upper end of what operators use on crowns (0.1-4.9 N, litmetric 17074189).
+/// The load that counts as full, N: upper end of operators' loads on crowns (0.1-4.9 N, litmetric 17074189).
 inline constexpr double kFirmLoad = 5;
 
-/// A value; belongs to the thread that renders. The same seed and inputs give the same samples, however many a call.
+/// A value; for the thread that renders. The same seed and inputs give the same samples, for any number per call.
 class Vibration {
  public:
   /// @param rate  samples per second, 100 to 1e6; otherwise all samples are 0.   @param seed  of the noise.

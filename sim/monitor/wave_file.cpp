@@ -15,7 +15,7 @@ std::string head(std::uint32_t rate, std::uint32_t bytes) {
   std::string out = "RIFF";
   put(out, 36 + bytes, 4);
   out += "WAVEfmt ";
-  put(out, 16, 4);        // length of what follows
+  put(out, 16, 4);        // length of the rest
   put(out, 1, 2);         // whole numbers, not compressed
   put(out, 1, 2);         // channels
   put(out, rate, 4);      // samples a second

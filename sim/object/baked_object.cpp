@@ -68,10 +68,9 @@ Expected<std::shared_ptr<const BakedObject>> BakedObject::make(BrickField phi0, 
   return std::shared_ptr<const BakedObject>(std::move(out));
 }
 
-// A slot for each brick that is stored or interior, all of the fallback material, and the directory.
+// Makes a slot, with the fallback material, for each stored or interior brick, and the directory.
 Expected<void> BakedObject::laySlots() {
-  // Sorted by coordinate: neighbours in space are neighbours in memory, and the order is that of nothing but the
-  // object.
+  // Sorted by coordinate: neighbours in space are neighbours in memory, and the order depends on the object alone.
   std::vector<std::pair<std::uint64_t, std::size_t>> stored;  // key, number
   stored.reserve(phi0_.brickCount());
   for (std::size_t b = 0; b < phi0_.brickCount(); ++b) stored.emplace_back(coordKey(phi0_.brickCoord(b)), b);
@@ -113,7 +112,7 @@ Expected<void> BakedObject::laySlots() {
   return {};
 }
 
-// The materials of each slot. A node without a label is of the fallback: whatever it is, it can be cut.
+// Sets the materials of each slot. A node without a label gets the fallback: any such node can be cut.
 void BakedObject::label(const MaterialField& materials) {
   std::vector<std::size_t> mixed;  // slots, in the order of materials_
   for (std::size_t s = 0; s < slots_.size(); ++s) {
@@ -151,7 +150,7 @@ int BakedObject::shellOf(const Slot& slot, ShellChunk* out) const noexcept {
   return shellOfBrick(around(slot), slot.materials, voxel(), out);
 }
 
-// How many nodes the shell of each slot has, and its least value: both are known of its own values.
+// Counts the shell nodes of each slot and finds its least value, both from the slot's own values.
 void BakedObject::countShells() {
   const auto e = static_cast<float>(kShellHalfWidth * voxel());
   const bool is_interior_empty = std::abs(phi0_.interior()) >= e;
@@ -174,7 +173,7 @@ void BakedObject::countShells() {
   for (const Slot& slot : slots_) shell_chunks_ += static_cast<std::size_t>(chunkCount(slot.shell_count));
 }
 
-// In whole parts of a cell, so that the number of threads changes nothing.
+// In whole parts of a cell: the number of threads changes nothing.
 void BakedObject::measureVolumes() {
   const auto ofSlots = [&](const tbb::blocked_range<std::size_t>& range, PartsByNumber parts) {
     for (std::size_t n = range.begin(); n < range.end(); ++n) {

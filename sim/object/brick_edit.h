@@ -1,4 +1,4 @@
-// The newest values of one brick: how the thread that cuts tells its subscribers what changed.
+// The newest values of one brick: the message from the cutting thread to its subscribers.
 #pragma once
 
 #include "geometry/field/brick_field.h"

@@ -1,4 +1,4 @@
-// Which of a brick's six faces a change reaches: a neighbour's shell depends on the values there.
+// The faces of a brick that a change reaches: a neighbour's shell depends on the values there.
 #pragma once
 
 #include <cstdint>

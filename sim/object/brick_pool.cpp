@@ -14,7 +14,7 @@ std::unique_ptr<BrickPool> BrickPool::make(std::size_t bricks) noexcept {
   bricks = std::max<std::size_t>(bricks, 1);
   try {
     std::unique_ptr<BrickPool> pool(new BrickPool);
-    // Zeroed: so that every page is there before the thread that must not wait for one writes to it.
+    // Zeroed: every page then exists before the real-time thread writes to it.
     internal::reserveLarge(pool->versions_, bricks);
     pool->versions_.resize(bricks);
     internal::reserveLarge(pool->chunks_, bricks * kChunksPerBrick);

@@ -88,7 +88,7 @@ std::uint8_t BrickStore::swapIn(BrickVersion& version, bool is_undo) noexcept {
   slot.own = wanted ? wanted->phi.data() : nullptr;
   slot.phi = wanted ? slot.own : slot.baked;
 
-  if (slot.own_materials) slot.has_one_material = false;  // it may have: nothing depends on it
+  if (slot.own_materials) slot.has_one_material = false;  // perhaps: nothing depends on it
   slot.own_materials = wanted && wanted->has_own_materials ? wanted->materials.data() : nullptr;
   slot.materials = slot.own_materials ? slot.own_materials : slot.baked_materials;
   if (slot.own_materials) slot.has_one_material = false;

@@ -1,8 +1,7 @@
-// The bricks of an object that is cut: one slot each, found by coordinate, with its values copied when they change.
+// The bricks of an object during cutting: one slot each, found by coordinate, with values copied on change.
 //
-// A slot begins as loaded: it points into the BakedObject. The first write of a stroke makes a version, which holds
-// the brick's own values; undo and redo point the slot at another version. Bricks of air get a slot when material is
-// added to them.
+// A new slot points into the BakedObject. The first write of a stroke makes a version with the brick's own values. Undo
+// and redo point the slot at another version. A brick of air gets a slot when material is added to it.
 #pragma once
 
 #include <array>
@@ -17,32 +16,32 @@
 
 namespace kerf {
 
-/// Slots and their directory. Subscribers are told of changes elsewhere: CutObject::write(). One thread; many may read
-/// while nothing changes.
+/// Slots and their directory. CutObject::write() informs subscribers of changes. One thread; many may read while
+/// nothing changes.
 class BrickStore {
  public:
-  /// Bricks of air that can be made solid during a session: 16384, about 8 cm^3 at 0.1 mm, 1 cm^3 at 0.05 mm.
+  /// Bricks of air that can become solid in a session: 16384, about 8 cm^3 at 0.1 mm, 1 cm^3 at 0.05 mm.
   static constexpr int kMostAdded = 1 << 14;
 
   enum class Begin { kWithAllBricks, kEmpty };
-  /// @param begin  kEmpty: no slot, and no directory either; PieceBuilder makes them. Allocates about 300 B a brick.
+  /// @param begin  kEmpty: without slots and directory; PieceBuilder makes them. Allocates about 300 B a brick.
   BrickStore(std::shared_ptr<const BakedObject> baked, Begin begin);
 
   const BakedObject& baked() const noexcept { return *baked_; }
   const std::shared_ptr<const BakedObject>& sharedBaked() const noexcept { return baked_; }
 
-  // Which bricks there are.
+  // Bricks.
 
-  /// Whether it is a piece of what was loaded.
+  /// Whether this object is a piece of the loaded one.
   bool isPiece() const noexcept { return is_piece_; }
   int slotCount() const noexcept { return static_cast<int>(slots_.size()); }
-  /// Slots it began with; those after them were air. Of a piece see has().
+  /// Number of initial slots; later slots were air. For a piece see has().
   int firstSlotCount() const noexcept { return static_cast<int>(most_slots_) - kMostAdded; }
-  /// Slots there can ever be.
+  /// Upper bound of the number of slots.
   std::size_t mostSlots() const noexcept { return most_slots_; }
-  /// Bricks it has.
+  /// Number of bricks of this object.
   std::size_t brickCount() const noexcept { return brick_count_; }
-  /// Whether a slot's brick is there: a piece may keep the slots of all that was loaded, but has its own bricks only.
+  /// Whether the object has the slot's brick. A piece may keep the slots of the whole, but has its own bricks only.
   bool has(int s) const noexcept { return find(slot(s).brick) == s; }
 
   const BrickSlot& slot(int s) const noexcept { return slots_[static_cast<std::size_t>(s)]; }
@@ -64,41 +63,42 @@ class BrickStore {
   /// Their materials. @rt
   MaterialNeighborhood materialsAround(const BrickSlot& slot) const noexcept;
 
-  /// Slots whose values or shell are, or were, not those loaded: the only ones a piece cannot share as loaded.
+  /// Slots whose values or shell differ, or differed, from those loaded. A piece can share all others as loaded.
   const SlotList& touched() const noexcept { return touched_; }
 
   // Changes. All of it is @rt.
 
-  /// A brick of air that shall take material: its slot, all outside. -1: it lies farther out than kAirAround, or
+  /// Slot for a brick of air that takes material, all outside. -1: the brick lies farther out than kAirAround, or
   /// kMostAdded bricks were added already.
   int addAir(const Vec3i& brick) noexcept;
-  /// Makes the version the slot's own: a copy of what the brick is now.
+  /// Makes the version the slot's own: a copy of the current brick.
   void copyInto(BrickVersion& version, int s, std::uint64_t stroke) noexcept;
   /// Points the slot of a version at it, or at the one before it. @return the faces on which the values differ.
   std::uint8_t swapIn(BrickVersion& version, bool is_undo) noexcept;
-  /// Its own materials to write into, copied at the first time. @pre it has a version of its own of this stroke.
+  /// The slot's own materials for writing, copied on first use. @pre it has a version of its own of this stroke.
   std::uint8_t* ownMaterials(int s) noexcept;
   void touch(int s) noexcept { touched_.add(slot(s), s); }
 
-  // The state as a whole. Slow, for results, tests and benches: not @rt.
+  // The whole state. Slow, for results, tests and benches: not @rt.
 
-  /// All values as they are now. Allocates, 2 KB a brick.
+  /// All current values. Allocates, 2 KB a brick.
   BrickField field() const;
-  /// The bricks that differ from the baked ones, as a field of the same kind; of a piece, its own only. Allocates.
+  /// The bricks that differ from the baked ones, as a field of the same kind. For a piece: its own bricks only.
+  /// Allocates.
   BrickField changedField() const;
-  /// Order-independent hash of changed values and materials: same state, same number. StateHash knows it sooner.
+  /// Order-independent hash of changed values and materials: same state, same number. StateHash gives it faster.
   std::uint64_t stateHash() const;
-  /// What the choice of bricks adds to the hash: 0 but for a piece.
+  /// The hash term of a piece's choice of bricks; 0 for other objects.
   std::uint64_t pieceKey() const noexcept { return piece_key_; }
-  /// Volume now per material, mm^3, from all nodes: addVolumes().
+  /// Current volume per material, mm^3, from all nodes: addVolumes().
   std::array<double, 256> countVolumes() const;
-  /// Rebuilds every shell from the field and compares: the number of bricks whose shell differs in any bit. For tests.
+  /// Rebuilds every shell from the field. Returns the number of bricks whose shell differs in any bit. For tests.
   std::size_t shellDefects() const;
 
  private:
-  // Fills slots, directory and counts of a piece, by many threads at a time: no function for one brick can do that.
+  // Fills slots, directory and counts of a piece on many threads: a function for one brick cannot do that.
   friend class PieceBuilder;
-  /// For that many bricks, and those that may be added.
+  /// For `bricks` bricks and kMostAdded more.
   void reserveSlots(std::size_t bricks);
   void addLoaded(const BakedObject::Slot& from);
 

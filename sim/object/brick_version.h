@@ -1,4 +1,4 @@
-// What strokes change: versions of bricks, and the record of one stroke.
+// Changes by strokes: versions of bricks, and the record of one stroke.
 #pragma once
 
 #include <array>
@@ -11,24 +11,24 @@
 
 namespace kerf {
 
-/// What a brick is during one stroke. A brick that changes in a later stroke gets another version. The one before stays
-/// as it is, so that undo and redo are a change of pointers.
+/// State of a brick during one stroke. A later stroke makes another version and leaves this one unchanged, so that undo
+/// and redo only change pointers.
 struct BrickVersion {
   BrickValues phi;
-  std::array<std::uint8_t, kBrickNodes> materials;  ///< if has_own_materials; else those baked count
-  BrickVersion* before;                             ///< what the brick was before the stroke; null: as baked
-  BrickVersion* next;                               ///< in the list it is in: free ones, or those of its stroke
-  std::uint64_t stroke;                             ///< in which it was made
+  std::array<std::uint8_t, kBrickNodes> materials;  ///< valid if has_own_materials; else the baked ones count
+  BrickVersion* before;                             ///< state before the stroke; null: as baked
+  BrickVersion* next;                               ///< in its list: free versions, or those of its stroke
+  std::uint64_t stroke;                             ///< of its making
   int slot;                                         ///< of the brick
   bool has_own_materials;
 };
 
-/// What an object has lost and gained, mm^3 per material number.
+/// Volume that an object has lost and gained, mm^3 per material number.
 struct Ledger {
   std::array<double, 256> removed{}, added{};
 };
 
-/// What one stroke did to one object.
+/// Effect of one stroke on one object.
 struct StrokeRecord {
   std::size_t object = 0;  ///< its index
   LinkedList<BrickVersion> bricks;

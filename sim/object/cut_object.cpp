@@ -18,11 +18,11 @@ CutObject::CutObject(std::shared_ptr<const BakedObject> baked, std::size_t brick
   if (!reserve(std::min(bricks, bricks_.brickCount()))) throw std::bad_alloc();
 }
 
-// For all slots there can ever be.
+// For the largest possible number of slots.
 void CutObject::reserveLists(bool is_touched) {
   const std::size_t slots = bricks_.mostSlots();
   shell_.reserve(slots, is_touched);
-  // A piece is a part of what was loaded, and there may be many.
+  // A piece is a part of the loaded object, and there may be many pieces.
   constexpr std::size_t kOfAPiece = LoadedShells::kMostChunks / 8;
   loaded_shells_.reserve(baked(), bricks_.isPiece() ? kOfAPiece : LoadedShells::kMostChunks);
   hash_.reserve(slots, is_touched);
@@ -32,7 +32,7 @@ void CutObject::reserveLists(bool is_touched) {
   }
 }
 
-// Tells all parts that a brick has changed.
+// Informs all parts of a change of a brick.
 void CutObject::mark(int s) noexcept {
   Slot& changed = slot(s);
   shell_.add(changed, s);
@@ -76,7 +76,7 @@ bool CutObject::fill(int s, const float* values, const std::uint8_t* materials, 
   return true;
 }
 
-// @param materials  null: as they are.   @param sign  of what is lost in `book`.   @param sum  of what is booked.
+// @param materials  null: unchanged.   @param sign  of a loss in `book`.   @param sum  increased by the booked volume.
 bool CutObject::put(int s, const float* values, const std::uint8_t* materials, int sign, std::array<double, 256>& book,
                     double& sum) noexcept {
   Slot& changing = slot(s);

@@ -7,8 +7,8 @@
 
 namespace kerf::internal {
 
-/// Calls work(n) for n below count, in any order. @param is_parallel  false: in order, and without TBB, into whose
-/// Debian build ThreadSanitizer cannot see.
+/// Calls work(n) for n below count, in any order. @param is_parallel  false: in order, and without TBB, because
+/// ThreadSanitizer cannot see into its Debian build.
 template <class Work>
 void forEach(std::size_t count, bool is_parallel, const Work& work) {
   if (is_parallel)

@@ -1,5 +1,5 @@
-// Memory in large pages where the system has them: tens of megabytes come many times sooner, and reading here and
-// there in them misses the page table less.
+// Memory in large pages where the system has them. Tens of megabytes arrive many times sooner, and scattered reads miss
+// the page table less.
 #pragma once
 
 #if __has_include(<malloc.h>)
@@ -14,23 +14,23 @@
 
 namespace kerf::internal {
 
-/// reserve(), asking for large pages before the first one is touched. Whether the system grants it changes no result.
+/// reserve(), with a request for large pages before the first access. The system's answer changes no result.
 template <class T>
 void reserveLarge(std::vector<T>& to, std::size_t count) {
   to.reserve(count);
   adviseLargePages(static_cast<void*>(to.data()), to.capacity() * sizeof(T));
 }
 
-/// Gives the system what is free between blocks in use. The C library keeps it, and a large block that is taken next
-/// comes on top of it. @cost milliseconds.
+/// Returns free memory between used blocks to the system. Otherwise the C library keeps it, and the next large block
+/// comes on top. @cost milliseconds.
 inline void returnFreeMemory() {
 #ifdef __GLIBC__
   malloc_trim(0);
 #endif
 }
 
-/// Makes sure of memory for `least` elements. Where there is less it reserves `wanted` and writes to every page:
-/// filling it later does not wait for memory. Drops what is in it then. T can be copied byte by byte.
+/// Ensures memory for `least` elements. If there is less, it reserves `wanted` elements, writes to every page, and
+/// drops the contents: filling it later does not wait for memory. T can be copied byte by byte.
 template <class T>
 void reserveTouched(std::vector<T>& to, std::size_t least, std::size_t wanted) {
   if (to.capacity() >= least) return;

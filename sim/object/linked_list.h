@@ -1,11 +1,11 @@
-// A list whose links are in its items: joined and moved in constant time, without memory of its own.
+// A list with the links in its items: joined and moved in constant time, without memory of its own.
 #pragma once
 
 #include <cstddef>
 
 namespace kerf {
 
-/// Singly linked, through the `next` of what is in it. Owns nothing, allocates nothing. All of it is O(1). @rt
+/// Singly linked, through the items' `next`. Owns nothing, allocates nothing. All of it is O(1). @rt
 template <class T>
 struct LinkedList {
   T *first = nullptr, *last = nullptr;
@@ -30,7 +30,7 @@ struct LinkedList {
     return item;
   }
 
-  /// Appends all of another list, which is empty then.
+  /// Appends all of another list, and empties that one.
   void append(LinkedList& other) noexcept {
     if (other.isEmpty()) return;
     (last ? last->next : first) = other.first;

@@ -24,7 +24,7 @@ void LoadedShells::make(BrickStore& bricks, int s) noexcept {
   if (next_ + chunks > ring_.size()) next_ = 0;
   for (std::size_t c = 0; c < chunks; ++c) free(bricks, next_ + c);
 
-  // The last chunk is filled up to its end: no more than these are written.
+  // The last chunk is filled up to its end: no write goes beyond these.
   const BakedObject& baked = bricks.baked();
   const std::int32_t loaded = baked.directory().find(slot.brick);
   baked.shellOf(baked.slots()[static_cast<std::size_t>(loaded)], &ring_[next_]);
@@ -37,7 +37,7 @@ void LoadedShells::make(BrickStore& bricks, int s) noexcept {
   next_ += chunks;
 }
 
-// Whoever had it has no shell any more; nobody may have it, or have another one by now.
+// Takes the shell from the former owner, unless that slot has none or another one by now.
 void LoadedShells::free(BrickStore& bricks, std::size_t chunk) noexcept {
   if (owners_[chunk] == kNobody) return;
   BrickSlot& owner = bricks.slot(owners_[chunk]);

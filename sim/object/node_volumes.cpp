@@ -85,7 +85,7 @@ void nodeVolumesHere(const float* value, const float* const beside[6], int count
   for (int n = 0; n < count; n += lanes) {
     const V v = hn::LoadU(f, value + n), size = hn::Min(hn::Abs(v), most);
     const auto is_inside = hn::Lt(v, zero);
-    // How far the crossing of an edge is, at most a half.
+    // Distance of an edge's crossing, at most a half.
     const auto reach = [&](const float* other) {
       const V w = hn::LoadU(f, other + n);
       const auto crosses = hn::Xor(hn::Lt(w, zero), is_inside);
@@ -94,7 +94,7 @@ void nodeVolumesHere(const float* value, const float* const beside[6], int count
     V least = half;
     for (int side = 0; side < 6; ++side) least = hn::Min(least, reach(beside[side]));
 
-    // Half of the cell and what the nearest crossing leaves beyond its middle, or takes.
+    // Half of the cell, plus or minus the distance from its middle to the nearest crossing.
     const auto parts = hn::ConvertTo(i, hn::Add(hn::Mul(least, all), half));
     const auto mask = hn::RebindMask(i, is_inside);
     const auto middle = hn::Set(i, kCellParts / 2);
@@ -109,7 +109,7 @@ HWY_AFTER_NAMESPACE();
 namespace kerf {
 namespace {
 
-// The neighbours of every node: which brick, 0 itself and 1 + face the others, times 512, and the node there.
+// The neighbours of every node: 512 times the brick (0 itself, 1 + face the others) plus the node there.
 using Neighbours = std::array<std::array<std::uint16_t, 6>, kBrickNodes>;
 constexpr Neighbours makeNeighbours() {
   Neighbours out{};
@@ -145,7 +145,7 @@ static NodeBits nodesOf(const std::uint8_t* numbers, std::uint8_t number) noexce
   return out;
 }
 
-// Of the other bricks, the nodes at their face to this one that are negative: 8 a + b, a and b the other axes.
+// The negative nodes of the other bricks at their face to this one: 8 a + b, a and b the other axes.
 static std::array<std::uint64_t, 6> insideBeyond(const float* const face[6]) noexcept {
   std::array<std::uint64_t, 6> out;
   HWY_DYNAMIC_DISPATCH(insideBeyondHere)(face, out.data());
@@ -156,7 +156,7 @@ void nodeVolumes(const float* value, const float* const beside[6], int count, fl
   HWY_DYNAMIC_DISPATCH(nodeVolumesHere)(value, beside, count, band, out);
 }
 
-// The same node before and after its brick's values were changed: what is beyond a face is the same in both.
+// The same node before and after the change of its brick's values. Nodes beyond a face are the same in both.
 static void setBoth(int at, int node, const BrickNeighborhood& bricks, const float* after, SurfaceNodes& was,
                     SurfaceNodes& is) noexcept {
   was.value[at] = bricks.self[node];
@@ -178,14 +178,14 @@ void SurfaceNodes::set(int at, int node, const BrickNeighborhood& bricks) noexce
   for (std::size_t k = 0; k < 6; ++k) beside[k][at] = from[neighbours[k] >> 9][neighbours[k] & 511];
 }
 
-// A node's own, outside too: were it a neighbour's, a cut that takes the neighbour away would move a part of the node's
-// volume from one tissue to another.
+// The node's own material, outside too. With a neighbour's material, a cut that takes the neighbour away would move a
+// part of the node's volume from one tissue to another.
 void SurfaceNodes::label(int at, int node, const MaterialNeighborhood& materials) noexcept {
   material[at] = materials.self[node];
 }
 
 void SurfaceNodes::measure(int count, float band) noexcept {
-  for (int n = count; n % 8 != 0; ++n) {  // none of them counts
+  for (int n = count; n % 8 != 0; ++n) {  // padding: none of them counts
     value[n] = 1;
     for (auto& axis : beside) axis[n] = 1;
   }
@@ -238,7 +238,7 @@ constexpr std::uint64_t spread(std::uint64_t bits) {
   return ((bits * kLowColumn & 0x8040201008040201) + 0x7f7f7f7f7f7f7f7f) >> 7 & kLowColumn;
 }
 
-// For every node the same bit of its neighbours, joined: any(bits of a node, bits of a neighbour).
+// Combines each node's bit with those of its neighbours: any(bits of a node, bits of a neighbour).
 template <class Join>
 NodeBits joinNeighbours(const NodeBits& nodes, const std::array<std::uint64_t, 6>& beyond, const Join& join) {
   NodeBits out;
@@ -266,7 +266,7 @@ void forEachNode(const NodeBits& nodes, const Visit& visit) {
       visit(64 * slab + std::countr_zero(bits));
 }
 
-// Adds whole cells. A brick has few materials: one of them after the other.
+// Adds whole cells, material by material: a brick has few.
 void addWhole(NodeBits whole, const MaterialNeighborhood& materials, PartsByNumber& sum) {
   for (std::size_t x = 0; x < kBrickSide; ++x)
     while (whole[x] != 0) {
@@ -307,7 +307,7 @@ void addVolumes(const BrickNeighborhood& bricks, const MaterialNeighborhood& mat
   for (int n = 0; n < count; ++n) sum[nodes.material[n]] += nodes.parts[n];
 }
 
-// Its volume changes where the sign does, and beside an edge that crosses the surface and has changed at one end.
+// A volume changes where the sign does, and beside a crossing edge that changed at one end.
 VolumeChange::VolumeChange(const BrickNeighborhood& before, const float* after, const NodeBits& changed,
                            const MaterialNeighborhood& materials, const std::uint8_t* materials_after,
                            float band) noexcept

@@ -1,4 +1,4 @@
-// A baked field with changed bricks on top: what a subscriber to the changes knows of the object.
+// A baked field with changed bricks on top: a subscriber's copy of the object.
 #pragma once
 
 #include "geometry/field/brick_field.h"
@@ -6,8 +6,8 @@
 
 namespace kerf {
 
-/// The current field phi: the changed bricks where there are any, the baked field phi0 elsewhere. Reading is safe from
-/// many threads, set() is not.
+/// The current field phi: the changed bricks where there are any, the baked field phi0 elsewhere. Many threads may read
+/// at once; set() needs exclusive access.
 class OverlayField {
  public:
   /// @param phi0  kept by reference, must outlive this and not change.
@@ -18,7 +18,7 @@ class OverlayField {
   float background() const { return phi0_.background(); }
   float interior() const { return phi0_.interior(); }
 
-  /// Values of a brick; null: constantAt(). Good until the next set().
+  /// Values of a brick; null: constantAt(). Valid until the next set().
   const BrickValues* valuesAt(const Vec3i& brick) const {
     if (const BrickValues* values = changed_.valuesAt(brick)) return values;
     return phi0_.valuesAt(brick);

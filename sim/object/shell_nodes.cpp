@@ -17,7 +17,7 @@ using F = hn::CappedTag<float, 8>;
 using I = hn::RebindToSigned<F>;
 using V = hn::Vec<F>;
 
-// Bits of a row of eight nodes, lane k of the part that begins at `from` being node from + k.
+// Bits of a row of eight nodes; lane k of the part that begins at `from` is node from + k.
 template <class Mask>
 HWY_INLINE unsigned rowBits(F f, Mask mask, int from) {
   std::uint8_t bits[8] = {};
@@ -35,8 +35,8 @@ int shellNodesHere(const BrickNeighborhood& bricks, const std::uint8_t* material
   const int lanes = static_cast<int>(hn::Lanes(f));
   const V e = hn::Set(f, half_width), one = hn::Set(f, 1.0f);
 
-  // Most rows have no node: the first pass finds those that have, and writes them down between their neighbours along
-  // z, which stand in other bricks at both ends.
+  // Most rows have no node. The first pass finds the others, and writes them down between their neighbours along z,
+  // which lie in other bricks at both ends.
   alignas(64) float line[kRows][16];
   int rows[kRows], row_count = 0;
   for (int row = 0; row < kRows; ++row) {
@@ -51,7 +51,7 @@ int shellNodesHere(const BrickNeighborhood& bricks, const std::uint8_t* material
     at[12] = bricks.face[5][n];
   }
 
-  // The nodes of these rows, one after the other.
+  // Second pass: the nodes of these rows, one after the other.
   float area[3][kReserve], values[kReserve];
   std::int32_t label[kReserve];  // offset, and the material 16 bits above
   int count = 0;
@@ -80,7 +80,7 @@ int shellNodesHere(const BrickNeighborhood& bricks, const std::uint8_t* material
     }
   }
 
-  // And chunk by chunk.
+  // Third pass: chunk by chunk.
   for (int begin = 0; begin < count; begin += ShellChunk::kNodes) {
     ShellChunk& chunk = out[begin / ShellChunk::kNodes];
     const int nodes = std::min(ShellChunk::kNodes, count - begin);

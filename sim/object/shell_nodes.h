@@ -1,4 +1,4 @@
-// The loops that follow a change of a brick: its point shell, and where two states of it differ.
+// The loops after a change of a brick: its point shell, and the nodes at which two states differ.
 #pragma once
 
 #include <array>
@@ -11,8 +11,8 @@ namespace kerf::internal {
 using NodeBits = std::array<std::uint64_t, kBrickSide>;
 
 /// Fills `out` with the nodes |phi| < half_width of a brick, by offset: areas scale (1 - (phi / half_width)^2)^2 times
-/// the differences of the neighbours. The last chunk is filled up with copies of its first node, without area and
-/// material. The same bits with any instruction set. @return how many nodes. @cost about 2 ns a node of the shell.
+/// the differences of the neighbours. Copies of the first node, without area and material, fill up the last chunk. The
+/// same bits with any instruction set. @return number of nodes. @cost about 2 ns a node of the shell.
 int shellNodes(const BrickNeighborhood& bricks, const std::uint8_t* materials, float half_width, float scale,
                ShellChunk* out) noexcept;
 

@@ -20,7 +20,7 @@ bool ShellRepair::repairOne(int s, BrickStore& bricks, BrickMemory& memory) noex
   const std::size_t owned = slot.owns_shell ? static_cast<std::size_t>(chunkCount(slot.shell_count)) : 0;
   if (memory.freeChunks() + owned < chunks) return false;
 
-  // Chunks of its own are filled anew; more come from memory, or those too many go back.
+  // Refills its own chunks. Takes more from memory, or gives back surplus ones.
   std::array<ShellChunk*, kShellChunks> next{};
   for (std::size_t c = 0; c < chunks; ++c)
     next[c] = c < owned ? const_cast<ShellChunk*>(&slot.chunk(c)) : memory.takeChunk();
@@ -47,9 +47,9 @@ void ShellRepair::spread(BrickStore& bricks) noexcept {
 
 bool ShellRepair::repair(BrickStore& bricks, BrickMemory& memory) noexcept {
   ++round_;
-  if (dirty_.isEmpty()) return true;  // frozen, it may be read by others: nothing is written
+  if (dirty_.isEmpty()) return true;  // frozen: others may read it, so write nothing
 
-  // The dirty bricks and the neighbours whose gradients they change, each once.
+  // The dirty bricks, and the neighbours whose gradients they change, each once.
   to_repair_.clear();
   const auto want = [this](int s) {
     std::uint32_t& wanted_in = wanted_in_[static_cast<std::size_t>(s)];
@@ -60,7 +60,7 @@ bool ShellRepair::repair(BrickStore& bricks, BrickMemory& memory) noexcept {
   for (const int s : dirty_.numbers()) {
     const BrickSlot& slot = bricks.slot(s);
     want(s);
-    // A neighbour's set of nodes stays, its own values did not change; only their gradients do, if it has any.
+    // A neighbour keeps its set of nodes, because its values did not change. Only gradients change, if it has nodes.
     for (int face = 0; face < 6; ++face) {
       if (!(slot.changed_faces >> face & 1)) continue;
       Vec3i next = slot.brick;

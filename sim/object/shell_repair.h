@@ -1,4 +1,4 @@
-// Keeps the point shell of an object that of its values: which bricks need it, and their repair.
+// Keeps an object's point shell up to date with its values: the bricks that need repair, and the repair.
 #pragma once
 
 #include <cstddef>
@@ -10,31 +10,31 @@
 
 namespace kerf {
 
-/// Bricks whose values changed since the last repair(), which counts its rounds. One thread.
+/// Bricks whose values changed since the last repair(). Counts the rounds of repair(). One thread.
 class ShellRepair {
  public:
   ShellRepair() : scratch_(kShellChunks) {}
-  /// For that many slots in all. @param is_touched  writes to every page as well.
+  /// For that many slots in all. @param is_touched  also writes to every page.
   void reserve(std::size_t slots, bool is_touched);
 
-  /// The values of a brick have changed: BrickSlot::changed_faces says where. @rt
+  /// Call after a change of a brick's values; BrickSlot::changed_faces holds the changed faces. @rt
   void add(BrickSlot& slot, int s) noexcept { dirty_.add(slot, s); }
   std::size_t dirtyCount() const noexcept { return dirty_.count(); }
   /// Calls of repair() so far.
   std::uint32_t round() const noexcept { return round_; }
 
   /// Rebuilds the shells of the dirty bricks and of their face neighbours. False when memory ran out: they all stay
-  /// dirty. Writes nothing of the bricks when none is dirty: another thread may read a frozen object. @rt
+  /// dirty. Writes to no brick when none is dirty: another thread may read a frozen object. @rt
   bool repair(BrickStore& bricks, BrickMemory& memory) noexcept;
 
-  /// The same for the dirty bricks alone that are wanted(slot). Neighbours become dirty, and are repaired when they are
-  /// wanted.
+  /// The same for those dirty bricks alone for which wanted(slot) is true. Neighbours become dirty, and a call that
+  /// wants them repairs them.
   template <class Wanted>
   bool repair(BrickStore& bricks, BrickMemory& memory, const Wanted& wanted) noexcept {
     ++round_;
     spread(bricks);
     bool is_done = true;
-    for (std::size_t n = dirty_.count(); n-- > 0;) {  // the last takes the place of what is removed
+    for (std::size_t n = dirty_.count(); n-- > 0;) {  // the last takes the place of the removed one
       const int s = dirty_.numbers()[n];
       if (!wanted(s)) continue;
       is_done = is_done && repairOne(s, bricks, memory);
@@ -44,7 +44,7 @@ class ShellRepair {
   }
 
  private:
-  /// Makes dirty the neighbours whose gradients the dirty bricks change: no brick's changed_faces is left. @rt
+  /// Marks the neighbours as dirty whose gradients the dirty bricks change, and clears all changed_faces. @rt
   void spread(BrickStore& bricks) noexcept;
   bool repairOne(int s, BrickStore& bricks, BrickMemory& memory) noexcept;
 

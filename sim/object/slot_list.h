@@ -1,4 +1,4 @@
-// A list of slots in which each is at most once.
+// A list of slots that holds each at most once.
 #pragma once
 
 #include <cstddef>
@@ -9,13 +9,13 @@
 
 namespace kerf {
 
-/// Slots by their numbers, in the order in which they were added. A bit of the slot says that it is in the list. Five
-/// such lists say what is still to be done for a brick that changed. One thread. @rt but for the two that reserve.
+/// Slots by their numbers, in the order of add(). A bit of the slot marks it as listed. Five such lists hold the
+/// pending work for changed bricks. One thread. @rt except for the two reserve functions.
 class SlotList {
  public:
   explicit SlotList(SlotBit bit) : bit_(bit) {}
 
-  /// For that many slots in all: add() never allocates then.
+  /// For that many slots in all: add() then never allocates.
   void reserve(std::size_t slots) { numbers_.reserve(slots); }
   /// The same, and writes to every page. @pre empty.
   void reserveTouched(std::size_t slots) {
@@ -27,7 +27,7 @@ class SlotList {
   std::size_t count() const noexcept { return numbers_.size(); }
   const std::vector<int>& numbers() const noexcept { return numbers_; }
 
-  /// Adds a slot, unless it is there. @param s  the slot's number.
+  /// Adds a slot unless it is listed. @param s  the slot's number.
   void add(BrickSlot& slot, int s) noexcept {
     if (slot.isListed(bit_)) return;
     slot.listed |= static_cast<std::uint8_t>(bit_);

@@ -28,7 +28,7 @@ void StateHash::reserve(std::size_t slots, bool is_touched) {
 
 namespace {
 
-// Bricks whose values are hashed four at a time.
+// Hashes the values of bricks, four at a time.
 class HashLanes {
  public:
   explicit HashLanes(std::uint64_t& sum) : sum_(sum) {}
@@ -38,7 +38,7 @@ class HashLanes {
     slot.hash_term = term;
   }
 
-  // @param rest  what the brick adds beside its values.
+  // @param rest  the brick's other terms, beside its values.
   void add(BrickSlot& slot, std::uint64_t rest) noexcept {
     keys_[waiting_] = coordKey(slot.brick);
     values_[waiting_] = slot.own;
@@ -71,7 +71,7 @@ class HashLanes {
 
 void StateHash::prepare(BrickStore& bricks, std::size_t most, std::uint32_t rounds, std::uint32_t round) noexcept {
   HashLanes lanes(sum_);
-  // Bricks that are left for later count against a bound of their own.
+  // Skipped bricks count against a bound of their own.
   for (std::size_t tries = std::min(stale_.count(), 8 * most); tries > 0 && most > 0; --tries) {
     if (next_ >= stale_.count()) next_ = 0;
     BrickSlot& slot = bricks.slot(stale_.numbers()[next_]);

@@ -8,16 +8,16 @@
 
 namespace kerf {
 
-/// What the materials of a brick add to the hash of the state. @pre they are its own.
+/// The term of a brick's materials in the state hash. @pre the slot owns its materials.
 std::uint64_t materialsHash(const BrickSlot& slot) noexcept;
 
-/// The number of BrickStore::stateHash(), from the bricks that changed alone: a sum of one term per brick, which is
-/// taken out and put in anew when the brick changes. One thread.
+/// The number of BrickStore::stateHash(), from the changed bricks alone: a sum of one term per brick. A change of the
+/// brick replaces its term. One thread.
 class StateHash {
  public:
-  /// Of an object as loaded. @param voxel  mm.
+  /// For an object as loaded. @param voxel  mm.
   explicit StateHash(double voxel);
-  /// For that many slots in all. @param is_touched  writes to every page as well.
+  /// For that many slots in all. @param is_touched  also writes to every page.
   void reserve(std::size_t slots, bool is_touched);
 
   /// The brick has changed in this round of repair(). @rt
@@ -25,18 +25,18 @@ class StateHash {
     stale_.add(slot, s);
     slot.hash_round = round;
   }
-  /// Bricks whose term is not that of their values.
+  /// Bricks whose term is out of date.
   std::size_t staleCount() const noexcept { return stale_.count(); }
 
-  /// Computes the terms of up to that many stale bricks. Those that changed in the last `rounds` of repair() may change
-  /// again, and are left for later. @param round  of repair(), now. @cost 1 us a brick. @rt
+  /// Computes the terms of up to `most` stale bricks. Skips those that changed in the last `rounds` of repair(): they
+  /// may change again. @param round  current number of repair(). @cost 1 us a brick. @rt
   void prepare(BrickStore& bricks, std::size_t most, std::uint32_t rounds, std::uint32_t round) noexcept;
-  /// The sum, without the terms of stale bricks' newest values. @rt
+  /// The sum; stale bricks count with an outdated term. @rt
   std::uint64_t sum() const noexcept { return sum_; }
 
  private:
   SlotList stale_{SlotBit::kHashStale};
-  std::size_t next_ = 0;  // in stale_: where the next prepare() begins
+  std::size_t next_ = 0;  // index in stale_ at which the next prepare() begins
   std::uint64_t sum_;
 };
 

@@ -1,4 +1,4 @@
-// What has been written since the last stroke ended.
+// Bricks written since the last stroke ended.
 #pragma once
 
 #include <cstdint>
@@ -8,22 +8,22 @@
 
 namespace kerf {
 
-/// Numbers the strokes of an object, and lists the brick versions of the one under way. SessionHistory keeps those of
-/// the strokes that have ended. All of it is O(1). @rt
+/// Numbers the strokes of an object, and lists the brick versions of the current one. SessionHistory keeps those of
+/// ended strokes. All of it is O(1). @rt
 class StrokeLog {
  public:
-  /// The stroke of the versions that a piece begins with.
+  /// Stroke number of the versions that a piece begins with.
   static constexpr std::uint64_t kBeforeAll = 0;
 
   /// Whether a brick was written since the last end().
   bool isOpen() const noexcept { return !written_.isEmpty(); }
-  /// Of the stroke under way: 1 for the first.
+  /// Number of the current stroke: 1 for the first.
   std::uint64_t number() const noexcept { return number_; }
-  /// Whether a version, or null, is of the stroke under way: it may be written into.
+  /// Whether a version (null: no) belongs to the current stroke and may be written into.
   bool isCurrent(const BrickVersion* version) const noexcept { return version && version->stroke == number_; }
   /// @pre its stroke is number().
   void add(BrickVersion* version) noexcept { written_.pushFront(version); }
-  /// Ends the stroke. Returns what was written since the last call.
+  /// Ends the stroke. Returns the versions written since the last call.
   LinkedList<BrickVersion> end() noexcept {
     ++number_;
     return std::exchange(written_, {});

@@ -21,7 +21,7 @@ constexpr std::uint64_t spread(std::uint64_t byte) {
   return word;
 }
 
-// The nodes of a word after a step along y or z. Those that leave the brick are dropped.
+// The nodes of a word after a step along y or z, without those that leave the brick.
 constexpr std::uint64_t upY(std::uint64_t word) { return word << 8; }
 constexpr std::uint64_t downY(std::uint64_t word) { return word >> 8; }
 constexpr std::uint64_t upZ(std::uint64_t word) { return (word << 1) & ~kZ0; }
@@ -53,7 +53,7 @@ FaceBits facesOf(const NodeBits& bits) {
   return f;
 }
 
-// The nodes connected to the first one of a word, which has some. Grows word by word until nothing is added.
+// The nodes connected to the first one of a nonempty word. Grows word by word until nothing is added.
 NodeBits connectedToFirst(const NodeBits& nodes, std::size_t word) {
   NodeBits grown{};
   grown[word] = nodes[word] & (~nodes[word] + 1);
@@ -72,7 +72,7 @@ NodeBits connectedToFirst(const NodeBits& nodes, std::size_t word) {
   return grown;
 }
 
-// Its nodes, counted, their box, and the first. @param word  the first that has some.
+// Count, box and first node of a part. @param word  the first nonempty one.
 BrickPart describe(const NodeBits& nodes, std::size_t word) {
   BrickPart part;
   part.first = static_cast<std::uint16_t>(64 * word + static_cast<std::size_t>(std::countr_zero(nodes[word])));
@@ -88,7 +88,7 @@ BrickPart describe(const NodeBits& nodes, std::size_t word) {
   part.low[1] = static_cast<std::uint8_t>(std::countr_zero(any) / 8);
   part.high[1] = static_cast<std::uint8_t>((63 - std::countl_zero(any)) / 8);
 
-  std::uint64_t column = 0;  // and along y
+  std::uint64_t column = 0;  // and seen along y
   for (int y = 0; y < 8; ++y) column |= any >> 8 * y & 0xff;
   part.low[2] = static_cast<std::uint8_t>(std::countr_zero(column));
   part.high[2] = static_cast<std::uint8_t>(63 - std::countl_zero(column));
@@ -132,7 +132,7 @@ namespace {
 std::int64_t fringeOf(const FringeInput& in, std::size_t offset) {
   const int n = static_cast<int>(offset);
   constexpr std::array<int, 6> kStride{-64, 64, -8, 8, -1, 1};      // to the next node
-  constexpr std::array<int, 6> kAcross{448, -448, 56, -56, 7, -7};  // to the one of the next brick
+  constexpr std::array<int, 6> kAcross{448, -448, 56, -56, 7, -7};  // to the node of the next brick
   const std::array<int, 3> place{n >> 6, n >> 3 & 7, n & 7};
   const double here = in.own.at(n);
 
@@ -174,7 +174,7 @@ void measureFringe(const FringeInput& in, BrickParts& parts) {
     const std::uint64_t below_y = upY(here) | rowOf(2), above_y = downY(here) | rowOf(3) << 56;
     const std::uint64_t below_z = upZ(here) | spread(rowOf(4)), above_z = downZ(here) | spread(rowOf(5)) << 7;
 
-    // Inside nodes with one of the six around them that is not.
+    // Inside nodes with an outside node among their six neighbours.
     parts.outermost[x] = here & ~(below_x & above_x & below_y & above_y & below_z & above_z);
     forEachBit(parts.outermost[x], [&](std::size_t n) {
       const std::size_t offset = 64 * x + n;

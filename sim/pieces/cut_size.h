@@ -1,4 +1,4 @@
-// How many bricks a cut through an object may change: memory for them is reserved before.
+// Upper estimate of the bricks that a cut through an object changes: memory for them is reserved before.
 #pragma once
 
 #include <cmath>

@@ -13,7 +13,7 @@ void collect(const BrickField& field, std::vector<std::uint64_t>& keys) {
   for (const Vec3i& brick : field.interiorBricks()) keys.push_back(coordKey(brick));
 }
 
-// Lowers `out` to what a part has in a brick.
+// Lowers `out` to the part's values in a brick.
 void lowerTo(const FieldPart& part, const Vec3i& brick, BrickValues& out) {
   const BrickValues* values = part.changed ? part.changed->valuesAt(brick) : nullptr;
   if (!values && part.begin) values = part.begin->valuesAt(brick);

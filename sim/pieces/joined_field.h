@@ -1,4 +1,4 @@
-// Pieces put together again: one field of all that is left of an object as it was loaded.
+// Joins pieces again: one field of the object's remaining volume, where it was loaded.
 #pragma once
 
 #include <span>
@@ -10,23 +10,23 @@ namespace kerf {
 
 /// A piece as two fields, both in the frame of the object as loaded.
 struct FieldPart {
-  const BrickField* begin = nullptr;    ///< as it came off, or as it was loaded; null: air
-  const BrickField* changed = nullptr;  ///< bricks that are other now; null: none
+  const BrickField* begin = nullptr;    ///< at its split, or as loaded; null: air
+  const BrickField* changed = nullptr;  ///< bricks changed since then; null: none
 };
 
-/// The bricks in which the pieces together, each where it was loaded, differ from `loaded`: a post-operative mesh is
-/// made of that.
+/// Returns the bricks in which the union of the pieces, each where it was loaded, differs from `loaded`: input for a
+/// post-operative mesh.
 ///
-/// At a node the least value of any piece counts. Inside nodes, and those next to them along an axis, then have the
-/// value that the piece has: no edge that a surface crosses changes (see split_field.h). @pre no piece has more than
-/// what was loaded and added there: pieces do not overlap where they were loaded.
+/// At a node the least value of any piece counts. Inside nodes, and those next to them along an axis, keep the value of
+/// their piece: no edge that a surface crosses changes (see split_field.h). @pre no piece has more than the loaded and
+/// the added volume there: pieces do not overlap where they were loaded.
 /// @cost  0.2 s for two pieces of a mandible of 148 000 bricks. Any thread.
 BrickField joinedChanges(const BrickField& loaded, std::span<const FieldPart> parts);
 
-/// The node that lies deepest, the first of several, mm.
+/// The deepest node, the first of several, mm.
 Vec3d deepestPoint(const FieldPart& part);
 
-/// All that an object has, as a field of its own. Allocates 2 KB a brick with values.
+/// The current field of an object. Allocates 2 KB a brick with values.
 BrickField fieldOf(const CutObject& object);
 
 }  // namespace kerf

@@ -18,8 +18,8 @@ namespace kerf {
 
 using internal::beside;
 
-// Makes one piece: first its slots, then the values of its own, then the shells. Reads nothing of the whole that the
-// thread that cuts may write while the whole is frozen.
+// Makes one piece: first its slots, then its own values, then the shells. Reads nothing that the cutting thread may
+// write while the whole is frozen.
 class PieceBuilder {
  public:
   static CutObject blank(std::shared_ptr<const BakedObject> baked, std::size_t bricks);
@@ -30,7 +30,7 @@ class PieceBuilder {
   // A part of the piece's bricks, for one thread.
   struct Part {
     std::span<const Vec3i> bricks;
-    std::vector<Vec3i> others;  // that have no slot yet
+    std::vector<Vec3i> others;  // bricks without a slot
     std::uint64_t key = 0;      // of its bricks: see BrickStore::pieceKey()
   };
   static constexpr std::size_t kBricksAPart = 4096;
@@ -64,8 +64,8 @@ class PieceBuilder {
   BrickStore& store_;  // of out_
   bool is_parallel_;
   std::vector<int> own_;                   // slots with values other than loaded
-  std::vector<unsigned char> is_changed_;  // per slot: its values are not the whole's
-  std::mutex mutex_;                       // of the lists of memory
+  std::vector<unsigned char> is_changed_;  // per slot: its values differ from the whole's
+  std::mutex mutex_;                       // guards the lists of memory
 };
 
 CutObject PieceBuilder::blank(std::shared_ptr<const BakedObject> baked, std::size_t bricks) {
@@ -112,7 +112,7 @@ CutObject PieceBuilder::make(const CutObject& whole, const PieceBricks& bricks, 
   return out;
 }
 
-// Calls work(n) for n below count, some of them by one thread at a time.
+// Calls work(n) for n below count, in batches on several threads.
 template <class Work>
 void PieceBuilder::inLots(std::size_t count, const Work& work) const {
   constexpr std::size_t kLot = 32;
@@ -121,14 +121,14 @@ void PieceBuilder::inLots(std::size_t count, const Work& work) const {
   });
 }
 
-// Slots and directory: what the piece shares with the whole.
+// Slots and directory: the part that the piece shares with the whole.
 void PieceBuilder::takeSlots() {
   addSlots(placeLoaded());
   shareTouched();
 }
 
-// Enters the slots that there are into the directory. A blank has one for every brick that was loaded, as it was then:
-// only what differs is written.
+// Enters the existing slots into the directory. A blank has a slot for every loaded brick in its loaded state: writes
+// only differences.
 std::vector<PieceBuilder::Part> PieceBuilder::placeLoaded() {
   std::vector<Part> parts;
   for (const auto* list : {&bricks_.bricks, &bricks_.interior})
@@ -152,7 +152,7 @@ std::vector<PieceBuilder::Part> PieceBuilder::placeLoaded() {
   return parts;
 }
 
-// A slot for each brick that has none.
+// Makes slots for the bricks without one.
 void PieceBuilder::addSlots(const std::vector<Part>& parts) {
   std::size_t slots = store_.slots_.size();
   for (const Part& part : parts) slots += part.others.size();
@@ -170,11 +170,11 @@ void PieceBuilder::addSlots(const std::vector<Part>& parts) {
       store_.addLoaded(loaded < 0 ? baked_.air(brick) : baked_.slots()[static_cast<std::size_t>(loaded)]);
     }
   }
-  store_.most_slots_ = slots + BrickStore::kMostAdded;  // firstSlotCount() goes by it
+  store_.most_slots_ = slots + BrickStore::kMostAdded;  // firstSlotCount() uses it
   store_.brick_count_ = bricks_.bricks.size() + bricks_.interior.size();
 }
 
-// Values, materials and shells of the bricks that are not as loaded: still those of the whole.
+// Values, materials and shells of the changed bricks: still those of the whole.
 void PieceBuilder::shareTouched() {
   is_changed_.resize(store_.slots_.size());
   for (const int from : whole_.bricks().touched().numbers()) {
@@ -192,12 +192,12 @@ void PieceBuilder::share(int slot, const BrickSlot& from) {
   to.own = from.own;
   to.materials = from.materials;
   to.own_materials = from.own_materials;
-  if (from.owns_shell) to.shell = from.shell;  // those as loaded come and go
+  if (from.owns_shell) to.shell = from.shell;  // loaded shells come and go
   to.shell_count = from.shell_count;
   to.owns_shell = from.owns_shell;
   to.has_one_material = from.has_one_material;
   to.least = from.least;
-  // Added where another piece's brick had been: what was loaded there is not what it is made of.
+  // Material was added where another piece's brick had been: the loaded materials there are not its own.
   if (!to.own_materials && to.own && std::memcmp(to.materials, to.baked_materials, kBrickNodes) != 0)
     to.own_materials = const_cast<std::uint8_t*>(to.materials);  // to be copied, as the whole's own are
 }
@@ -213,7 +213,7 @@ void PieceBuilder::takeChanged() {
   }
 }
 
-// Copies all values that are other than loaded.
+// Copies all values that differ from the loaded ones.
 void PieceBuilder::copyValues() {
   if (out_.freeBricks() < own_.size() + 64 && !out_.reserve(own_.size() + own_.size() / 2 + 64)) throw std::bad_alloc();
   inLots(own_.size(), [&](std::size_t n) {
@@ -230,13 +230,13 @@ void PieceBuilder::copyValues() {
   for (const int s : own_) out_.hash_.add(out_.slot(s), s, 0);
 }
 
-// Gradients are all that a shell has of its neighbours: one without nodes stays as it is.
+// A shell uses only gradients of its neighbours: one without nodes needs no update.
 void PieceBuilder::makeShells() {
   const std::vector<int> shells = shellsToMake();
   inLots(shells.size(), [&](std::size_t n) { makeShell(shells[n]); });
 }
 
-// Whether its values, or those of a neighbour, are other than the whole's, or a neighbour is no longer there.
+// Whether its values or a neighbour's differ from the whole's, or a neighbour is missing.
 bool PieceBuilder::needsNewShell(int s) const {
   if (whole_.dirtyCount() > 0 || is_changed_[static_cast<std::size_t>(s)]) return true;
   for (std::size_t face = 0; face < 6; ++face) {

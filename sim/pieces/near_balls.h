@@ -1,4 +1,4 @@
-// Distance of a brick's nodes to balls around nodes near it, in whatever vector instructions the processor has.
+// Distance of a brick's nodes to balls around nearby nodes, with the processor's vector instructions.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 
 namespace kerf::internal {
 
-/// A ball about a node, counted from the brick's first; -radius is its field value there.
+/// A ball around a node, counted from the brick's first node; -radius is its field value there.
 struct NodeBall {
   int x, y, z;
   float phi;
@@ -20,12 +20,12 @@ class NodeSteps {
  public:
   NodeSteps(int reach, float voxel);
   int reach() const { return reach_; }
-  /// From a node at height z to the eight of the row (dx, dy) away; infinite beyond reach along z.
+  /// From a node at height z to the eight nodes of the row (dx, dy) away; infinite beyond reach along z.
   const float* row(int dx, int dy, int z) const {
     return lengths_.data() + ((dx + reach_) * side_ + dy + reach_) * width_ + reach_ + kBrickSide - 1 - z;
   }
-  int width() const { return width_; }  ///< from a row to that of dy + 1
-  /// Rows no farther than reach have at most this |dy|.
+  int width() const { return width_; }  ///< from a row to the row of dy + 1
+  /// Largest |dy| of the rows within reach.
   int widest(int dx) const { return widest_[static_cast<std::size_t>(dx < 0 ? -dx : dx)]; }
 
  private:

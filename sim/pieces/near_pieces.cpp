@@ -22,7 +22,7 @@ void NearPieces::find(const SplitView& view, const Vec3i& brick) {
     values_.fill(field.constantAt(brick));
   view.pieces.piecesIn(brick, piece_of_);
 
-  // Balls about the outermost nodes within reach, piece by piece.
+  // Collects balls around the outermost nodes within reach, piece by piece.
   count_ = 0;
   view.forEachWithinReach(brick, [&](std::uint32_t slot, const Vec3i& step, const Vec3i& low, const Vec3i& high) {
     const Vec3i shift = step * kBrickSide;
@@ -55,15 +55,14 @@ void NearPieces::valuesOf(std::uint32_t id, BrickValues& out) const {
     if (piece_of_[n] == id) continue;
     const bool is_outside = piece_of_[n] == PieceFinder::kNoPiece;
     if (is_outside && ((own && own->is_next[n]) || to_others[n] == kFar)) continue;
-    // Nearer to this piece: the value stays, unless it must be another's after
-    // all (balls miss sharp corners).
+    // Nearer to this piece: the value stays, unless it must belong to another piece (balls miss sharp corners).
     const float to_own = own ? own->distance[n] : kFar;
     const float distance_to_own = is_outside && to_own <= to_others[n] ? to_own - 0.5f * voxel_ : to_own;
     out[n] = std::min(background_, std::max(std::abs(out[n]), distance_to_own));
   }
 }
 
-// Of each node, to the nearest piece but one.
+// Distance of each node to the nearest piece except `id`.
 void NearPieces::distanceToOthers(std::uint32_t id, BrickValues& out) const {
   out.fill(kFar);
   for (const NearPiece& piece : used())
@@ -71,14 +70,14 @@ void NearPieces::distanceToOthers(std::uint32_t id, BrickValues& out) const {
       for (std::size_t n = 0; n < out.size(); ++n) out[n] = std::min(out[n], piece.distance[n]);
 }
 
-// Null: it is nowhere near.
+// Null: the piece is not near.
 const NearPieces::NearPiece* NearPieces::pieceOf(std::uint32_t id) const {
   for (const NearPiece& piece : used())
     if (piece.id == id) return &piece;
   return nullptr;
 }
 
-// The one there is, or a new one.
+// The existing entry, or a new one.
 NearPieces::NearPiece& NearPieces::addPiece(std::uint32_t id) {
   for (NearPiece& piece : used())
     if (piece.id == id) return piece;
@@ -91,7 +90,7 @@ NearPieces::NearPiece& NearPieces::addPiece(std::uint32_t id) {
   return piece;
 }
 
-// The six nodes next to an inside node, those of the brick.
+// Marks the six nodes next to an inside node, within the brick.
 void NearPieces::markAround(NearPiece& piece, int i, int j, int k) {
   if (std::min({i, j, k}) < -1 || std::max({i, j, k}) > kBrickSide) return;
   const auto mark = [&](int x, int y, int z) {

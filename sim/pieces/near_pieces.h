@@ -12,15 +12,15 @@
 
 namespace kerf::internal {
 
-/// One brick of the whole, and the pieces near it: find() for one brick after the other, and valuesOf() for each piece
-/// that has it. Keeps its memory from brick to brick.
+/// One brick of the whole, and the pieces near it. Call find() for one brick after the other, then valuesOf() for each
+/// piece that has the brick. Keeps its memory from brick to brick.
 class NearPieces {
  public:
   /// Estimates distances by the union of balls of radius |phi| about a piece's outermost nodes: |p - a| + phi(a).
   /// @cost 10 us.
   void find(const SplitView& view, const Vec3i& brick);
 
-  /// The brick's values in one piece alone: see splitField(). @pre find() was called for it.
+  /// The brick's values in one piece alone: see splitField(). @pre find() was called for the brick.
   void valuesOf(std::uint32_t id, BrickValues& out) const;
 
  private:
@@ -28,7 +28,7 @@ class NearPieces {
     std::uint32_t id;
     std::vector<NodeBall> balls;
     BrickValues distance;                            // of each node to the piece, mm; infinite beyond reach
-    std::array<unsigned char, kBrickNodes> is_next;  // whether an inside node of the piece is next to it
+    std::array<unsigned char, kBrickNodes> is_next;  // whether the node is next to an inside node of the piece
   };
 
   std::span<NearPiece> used() { return std::span(pieces_).first(count_); }
@@ -40,7 +40,7 @@ class NearPieces {
 
   float voxel_ = 0, background_ = 0;                 // of the field, mm
   BrickValues values_;                               // of the whole
-  std::array<std::uint32_t, kBrickNodes> piece_of_;  // each node
+  std::array<std::uint32_t, kBrickNodes> piece_of_;  // of each node
   std::vector<NearPiece> pieces_;                    // the first count_ are in use
   std::size_t count_ = 0;
 };

@@ -1,4 +1,4 @@
-// Blocks and pieces: how PieceFinder joins the parts of bricks to groups of blocks, and these to pieces.
+// Blocks and pieces: how PieceFinder joins the parts of bricks to groups of blocks, and groups to pieces.
 #include <algorithm>
 #include <bit>
 #include <limits>
@@ -28,7 +28,7 @@ const PieceList& PieceFinder::find() {
 }
 
 // Calls unite(part of a, part of b) for parts that meet in the face of a towards b, its upper neighbour along the axis.
-// One look at two masks does it where both have one part, as nearly all bricks have.
+// Where both have one part, as nearly all bricks do, a look at two masks is enough.
 template <class Unite>
 void PieceFinder::joinBricks(std::int32_t a, std::int32_t b, int axis, const Unite& unite) const {
   const auto side = static_cast<std::size_t>(2 * axis + 1);
@@ -44,10 +44,10 @@ void PieceFinder::joinBricks(std::int32_t a, std::int32_t b, int axis, const Uni
   }
 }
 
-// Unites the parts of one block that meet, in parent_. Its parts are numbered slot by slot: first_part_.
+// Unites the touching parts of one block, in parent_. Its parts are numbered slot by slot: first_part_.
 void PieceFinder::uniteParts(const Block& block) {
   const std::uint32_t mine = block_of_[indexOf(block.slots.front())];
-  first_part_.resize(keys_.size());  // of the slots of this block only
+  first_part_.resize(keys_.size());  // valid for the slots of this block only
   parent_.clear();
   for (const std::int32_t slot : block.slots) {
     first_part_[indexOf(slot)] = static_cast<std::uint32_t>(parent_.size());
@@ -66,7 +66,7 @@ void PieceFinder::uniteParts(const Block& block) {
   }
 }
 
-// The groups of one block.
+// Makes the groups of one block.
 void PieceFinder::groupParts(Block& block) {
   uniteParts(block);
 
@@ -102,7 +102,7 @@ void PieceFinder::groupParts(Block& block) {
   }
 }
 
-// Which of its groups meet which of the block above.
+// Finds the pairs of its groups and groups of the block above that meet.
 void PieceFinder::joinAbove(Block& block, int axis) const {
   auto& joins = block.joins[static_cast<std::size_t>(axis)];
   joins.clear();
@@ -118,7 +118,7 @@ void PieceFinder::joinAbove(Block& block, int axis) const {
   }
 }
 
-// The joins of changed blocks and of those below them, and the numbers of all groups.
+// Updates the joins of changed blocks and of those below them, and the numbers of all groups.
 void PieceFinder::joinBlocks() {
   const auto isChangedAbove = [&](const Block& block, int axis) {
     const std::int32_t above = block.above[static_cast<std::size_t>(axis)];
@@ -135,7 +135,7 @@ void PieceFinder::joinBlocks() {
   piece_of_group_.resize(groups);
 }
 
-// Groups that are joined, as one each; piece_of_group_ says as which.
+// Merges joined groups. piece_of_group_ holds the number of each group's result.
 std::vector<PieceFinder::Group> PieceFinder::mergeGroups() {
   std::vector<std::uint32_t> parent(piece_of_group_.size());
   std::iota(parent.begin(), parent.end(), 0u);
@@ -159,13 +159,13 @@ std::vector<PieceFinder::Group> PieceFinder::mergeGroups() {
   return merged;
 }
 
-// Sorts the pieces, tells crumbs apart, and gives them their ids.
+// Sorts the pieces, separates the crumbs, and assigns ids.
 void PieceFinder::listPieces(const std::vector<Group>& found) {
   const double h = field_.voxel();
   list_ = {};
   std::vector<Piece> all(found.size());
   for (std::size_t n = 0; n < found.size(); ++n) {
-    all[n].id = static_cast<std::uint32_t>(n);  // numbered anew once they are sorted
+    all[n].id = static_cast<std::uint32_t>(n);  // final numbers follow after sorting
     all[n].measure = found[n].measure;
     all[n].volume = found[n].measure.volume(h);
     all[n].bounds.add(h * found[n].low.cast<double>());

@@ -9,7 +9,7 @@
 namespace kerf::internal {
 namespace {
 
-// Some bricks one after the other, and which pieces have them.
+// Assigns some bricks, one after the other, to pieces.
 class Layout {
  public:
   // @param out  of the pieces first, first + 1, ...
@@ -32,7 +32,7 @@ class Layout {
 
   bool isWanted(std::uint32_t id) const { return id >= first_ && id - first_ < out_.size(); }
 
-  // A brick with nothing but one piece in sight, as most are.
+  // A brick with only one piece in sight: the usual case.
   void addAlone(std::uint32_t slot, std::uint32_t id) {
     LotBricks& to = out_[id - first_];
     if (view_.is_stored[slot]) {
@@ -43,8 +43,7 @@ class Layout {
     }
   }
 
-  // A brick goes to the pieces that have something inside in it or around it. A
-  // constant in which no piece has anything is air.
+  // Gives a brick to the pieces with inside nodes in it or around it. A constant without any piece is air.
   void addAmongSeveral(std::uint32_t slot) {
     const bool is_stored = view_.is_stored[slot] != 0;
     const std::uint32_t its = view_.piece_of[slot];
@@ -69,7 +68,7 @@ class Layout {
     }
   }
 
-  // The bricks around with something inside, and whose that is.
+  // Finds the bricks around with inside nodes, and their pieces.
   void findAround(const Vec3i& brick) {
     around_.clear();
     near_.clear();
@@ -85,8 +84,7 @@ class Layout {
     });
   }
 
-  // Whether inside nodes of another piece may be, along each axis. @pre
-  // findAround() was called for the brick.
+  // Whether there may be inside nodes of another piece, along each axis. @pre findAround() was called for the brick.
   bool hasOthersWithinReach(std::uint32_t id) const {
     const int reach = view_.steps.reach();
     const Vec3i low = Vec3i::Constant(-reach), high = Vec3i::Constant(kBrickSide - 1 + reach);
@@ -108,11 +106,10 @@ class Layout {
   std::vector<std::uint32_t> near_;  // pieces
 };
 
-// The lots of one piece, one after the other.
+// Joins the lots of one piece.
 class LotsOfPiece {
  public:
-  // @param has_added  slots that were added after the finder began are the
-  // last, whatever their coordinates.
+  // @param has_added  slots added after the finder began come last, in any order of coordinates.
   LotsOfPiece(const std::vector<LotBricks>& lots, std::size_t lot_count, std::size_t pieces, std::size_t piece,
               bool has_added)
       : lots_(lots), lot_count_(lot_count), pieces_(pieces), piece_(piece), has_added_(has_added) {}

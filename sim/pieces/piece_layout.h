@@ -1,4 +1,4 @@
-// Which bricks each of some pieces has.
+// Assigns bricks to pieces.
 #pragma once
 
 #include <cstddef>
@@ -11,8 +11,8 @@
 
 namespace kerf::internal {
 
-/// The bricks of the pieces first, first + 1, ... in order of their coordinates; those of `changed`, which are near
-/// other pieces, without their values. O(all bricks); parallel inside if wanted.
+/// The bricks of the pieces first, first + 1, ... in order of their coordinates. The bricks in `changed`, which are
+/// near other pieces, have no values yet. O(all bricks); parallel inside if wanted.
 std::vector<PieceBricks> layOutPieces(const SplitView& view, std::uint32_t first, std::size_t count, bool is_parallel,
                                       SplitLists& lists);
 

@@ -1,4 +1,4 @@
-// Whose is what: PieceFinder's answers about nodes, bricks and blocks after find().
+// Look-up: PieceFinder's answers about nodes, bricks and blocks after find().
 #include <algorithm>
 #include <cassert>
 #include <limits>
@@ -8,7 +8,7 @@
 namespace kerf {
 namespace {
 
-// What two neighbours have inside: the piece of both.
+// Combines the pieces of two neighbours.
 constexpr std::uint32_t both(std::uint32_t a, std::uint32_t b) {
   if (a == PieceFinder::kNoPiece || a == b) return b;
   return b == PieceFinder::kNoPiece ? a : PieceFinder::kSeveralPieces;
@@ -86,7 +86,7 @@ std::vector<std::uint32_t> PieceFinder::piecesInSight() const {
   assert(is_current_);
   if (blocks_.empty()) return {};
 
-  // A grid of all blocks, and a layer of nothing about them.
+  // A grid of all blocks, with a margin of empty cells.
   std::vector<Vec3i> at;
   Vec3i low = Vec3i::Constant(std::numeric_limits<int>::max()), high = -low;
   for (const Block& block : blocks_) {
@@ -100,7 +100,7 @@ std::vector<std::uint32_t> PieceFinder::piecesInSight() const {
     return static_cast<std::size_t>((from_low[0] * size[1] + from_low[1]) * size[2] + from_low[2]);
   };
 
-  // What each has by itself.
+  // Own piece of each block.
   std::vector<std::uint32_t> cells(static_cast<std::size_t>(size.cast<std::ptrdiff_t>().prod()), kNoPiece);
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
     std::uint32_t& cell = cells[cellOf(at[b])];
@@ -108,8 +108,8 @@ std::vector<std::uint32_t> PieceFinder::piecesInSight() const {
       cell = both(cell, piece_of_group_[blocks_[b].first_group + g]);
   }
 
-  // And those beside it, axis by axis. The outermost cells are of no block: what lies before the first of a row is
-  // nothing.
+  // Combines neighbours axis by axis. The outermost cells belong to no block: the cell before the first of a row is
+  // empty.
   std::vector<std::uint32_t> from;
   const auto row = static_cast<std::size_t>(size[2]), plane = row * static_cast<std::size_t>(size[1]);
   for (const std::size_t step : {std::size_t{1}, row, plane}) {

@@ -1,4 +1,4 @@
-// What a piece was when it came off.
+// State of a piece at its split.
 #pragma once
 
 #include <cstdint>
@@ -11,17 +11,17 @@
 
 namespace kerf {
 
-/// An object as it came off: enough to build its field, mesh it and find its own pieces later, by any thread.
+/// An object at its split: any thread can later build its field, mesh it and find its own pieces.
 struct PieceOrigin {
-  std::uint32_t id = 0, of = 0;  ///< CutObject::id of the piece, and of what it was a piece of
+  std::uint32_t id = 0, of = 0;  ///< CutObject::id of the piece and of its parent
   std::shared_ptr<const BakedObject> baked;
-  std::vector<Vec3i> bricks, interior;      ///< that it has: with values, and constant
-  std::vector<BrickEdit> cut, near_others;  ///< what differs from `baked`: none in both
-  /// 2 KB a brick with values.
+  std::vector<Vec3i> bricks, interior;      ///< its bricks: with values, and constant
+  std::vector<BrickEdit> cut, near_others;  ///< differences from `baked`, in disjoint lists
+  /// Allocates 2 KB a brick with values.
   BrickField field() const;
 };
 
-/// Of a piece that is in the scene already, as it is now.   @param piece  CutObject::bricks().isPiece().
+/// Origin of a piece in the scene, in its current state.   @param piece  with CutObject::bricks().isPiece().
 PieceOrigin originOf(const CutObject& piece);
 
 }  // namespace kerf

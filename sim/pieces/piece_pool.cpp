@@ -16,8 +16,8 @@ void PiecePool::reserve(const std::shared_ptr<const BakedObject>& baked, const P
   blanks.resize(kPieces);
   cuts.resize(kPieces);
 
-  // Their own, beside those that are free afterwards: what was cut, and of it
-  // what is near the other one. More than is wanted now, once for a whole cut.
+  // Own bricks, beside those that stay free: the edited bricks, and among them those near the other piece. Reserves
+  // more than needed now, once for a whole cut.
   const std::size_t edited = finder.field().changed().brickCount();
   const std::size_t a_cut = internal::bricksOfACut(baked->slots().size());
   const std::size_t wanted = bricks + edited + 1024, more = wanted + std::max<std::size_t>(a_cut, 512);

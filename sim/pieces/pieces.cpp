@@ -1,4 +1,4 @@
-// Slots and bricks: what PieceFinder knows of each brick by itself. See piece_groups.cpp for what they make up.
+// Slots and bricks: PieceFinder's data of each single brick. piece_groups.cpp joins them.
 #include "sim/pieces/pieces.h"
 
 #include <tbb/parallel_for.h>
@@ -54,7 +54,7 @@ void PieceFinder::scanAll() {
   });
   tbb::parallel_for(std::size_t{0}, stored.size(), [&](std::size_t n) { measureFringeOf(stored[n]); });
 
-  // Bricks stored as a constant have a fringe where they end against something that is not inside: rarely.
+  // Bricks stored as a constant rarely have a fringe: only where they border on a node that is not inside.
   for (std::size_t s = 0; s < count; ++s) {
     const auto slot = static_cast<std::int32_t>(s);
     if (parts_of_[s] == kFull && touchesOutside(slot)) {
@@ -68,7 +68,7 @@ void PieceFinder::scanAll() {
   for (std::size_t s = 0; s < count; ++s) addToBlock(static_cast<std::int32_t>(s));
 }
 
-// The box of all slots, with as much air around it as can be filled before it must be laid anew.
+// The box of all slots, with air around it for fills without a new layout.
 void PieceFinder::layDirectory() {
   Vec3i low = Vec3i::Constant(std::numeric_limits<int>::max()), high = -low;
   for (const std::uint64_t key : keys_) {
@@ -83,7 +83,7 @@ void PieceFinder::layDirectory() {
     directory_.set(directory_.indexOf(internal::coordOf(keys_[s])), static_cast<std::int32_t>(s));
 }
 
-// Neighbours above come in the order of the bricks themselves: one pointer per axis walks along.
+// Upper neighbours come in the order of the bricks themselves: one pointer per axis walks along.
 void PieceFinder::findNeighbors() {
   const std::size_t count = keys_.size();
   neighbors_.assign(count, {kNoSlot, kNoSlot, kNoSlot, kNoSlot, kNoSlot, kNoSlot});
@@ -120,7 +120,7 @@ std::int32_t PieceFinder::addSlot(const Vec3i& brick) {
 }
 
 void PieceFinder::addToBlock(std::int32_t slot) {
-  const Vec3i at = brickOf(internal::coordOf(keys_[indexOf(slot)]));  // bricks are to a block as nodes to a brick
+  const Vec3i at = brickOf(internal::coordOf(keys_[indexOf(slot)]));  // a block has bricks as a brick has nodes
   const auto [known, is_new] = block_at_.try_emplace(coordKey(at), static_cast<std::int32_t>(blocks_.size()));
   const std::int32_t b = known->second;
   if (is_new) {
@@ -139,7 +139,7 @@ void PieceFinder::addToBlock(std::int32_t slot) {
   group_of_full_.push_back(0);
 }
 
-// Made when the brick was all inside or all outside so far.
+// Makes parts for a brick that was all inside or all outside so far.
 internal::BrickParts& PieceFinder::partsOf(std::int32_t slot) {
   std::int32_t& index = parts_of_[indexOf(slot)];
   if (index < 0) {
@@ -164,7 +164,7 @@ std::uint64_t PieceFinder::face(std::int32_t slot, std::size_t side) const {
   return parts_[indexOf(index)].faces[side];
 }
 
-// Of the brick on a side of one, the face that touches it.
+// The touching face of the neighbour on a side.
 std::uint64_t PieceFinder::faceBeside(std::int32_t slot, std::size_t side) const {
   return face(neighbors_[indexOf(slot)][side], side ^ 1);
 }
@@ -178,7 +178,7 @@ bool PieceFinder::touchesOutside(std::int32_t slot) const {
 // @pre the slot has parts of its own, or none.
 void PieceFinder::measureFringeOf(std::int32_t slot) {
   auto& own = parts_[indexOf(parts_of_[indexOf(slot)])];
-  if (own.parts.empty()) {  // most bricks of the outer band: nothing of their neighbours is looked up
+  if (own.parts.empty()) {  // most bricks of the outer band: no look-up of neighbours
     own.outermost = {};
     return;
   }
@@ -207,7 +207,7 @@ void PieceFinder::apply(std::span<const BrickEdit> edits) {
   }
   sortOnce(changed);
 
-  // Their parts, and then the fringes of them and of their neighbours.
+  // First their parts, then their own and their neighbours' fringes.
   std::vector<std::int32_t> measured = changed;
   for (const std::int32_t slot : changed) {
     internal::findParts(*field_.valuesAt(internal::coordOf(keys_[indexOf(slot)])), partsOf(slot));

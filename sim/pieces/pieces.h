@@ -1,4 +1,4 @@
-// The pieces of an object that is being cut: connected parts of {phi < 0}, known again soon after every cut.
+// The pieces of an object during cutting: connected parts of {phi < 0}, updated soon after every cut.
 //
 //   node    a point of the grid; inside where phi < 0. Inside nodes are connected when they are neighbours along an
 //           axis (6-connectivity): nodes that touch across an edge or a corner are not.
@@ -18,16 +18,16 @@
 //                            {a}, {b, c}, {d}                   {P}, {Q, R}, {S}
 //                            b == c: they meet in the face      Q == R: parts of theirs do
 //
-// What is computed, and when again:
+// Computed values, and their updates:
 //
-//   for each  what                                        again when                                     cost
-//   brick     inside nodes as bits, parts, faces          its values change                              2 us, with
-//             outermost nodes, fringe of its measure      ... or those of one of the six beside it       the fringe
-//   block     groups: parts joined across brick faces     a brick in it changed                          40 ns a brick
-//             joins: groups that meet in the next blocks  this block or the next one changed
-//   object    pieces, sorted by volume                    anything changed                               1 us a block
+// for each  value                                       updated when                                    cost
+// brick     inside nodes as bits, parts, faces          its values change                              2 us, with
+//           outermost nodes, fringe of its measure      ... or the values of its six neighbours        the fringe
+// block     groups: parts joined across brick faces     a brick in it changed                          40 ns a brick
+//           joins: groups that meet in the next blocks  this block or the next one changed
+// object    pieces, sorted by volume                    anything changed                               1 us a block
 //
-// apply() does what is said of bricks, and marks their blocks. find() does the rest. A brick that is stored as the
+// apply() updates bricks and marks their blocks. find() does the rest. A brick that is stored as the
 // constant inside is one part: its nodes are not read.
 #pragma once
 
@@ -47,42 +47,41 @@
 namespace kerf {
 
 struct Piece {
-  std::uint32_t id = 0;  ///< what PieceFinder::pieceAt() gives for its nodes
+  std::uint32_t id = 0;  ///< value of PieceFinder::pieceAt() for its nodes
   SolidMeasure measure;
   double volume = 0;                 ///< mm^3, of `measure`
   Box3 bounds;                       ///< of its nodes, mm
-  Vec3i first_node = Vec3i::Zero();  ///< its node with the smallest (x, y, z): tells pieces apart from call to call
+  Vec3i first_node = Vec3i::Zero();  ///< its node with the smallest (x, y, z): identifies pieces from call to call
 };
 
 struct PieceOptions {
-  /// Pieces smaller than this are crumbs: chips that no one will pick up. 0: there are none.
+  /// Pieces smaller than this are crumbs: chips too small to pick up. 0: no crumbs.
   double crumb_mm3 = 0.1;
 };
 
 /// Pieces and crumbs, each largest first (equal ones by first_node). Ids count through: pieces first, then crumbs.
 struct PieceList {
   std::vector<Piece> pieces, crumbs;
-  SolidMeasure whole;  ///< the sum of all of them, exactly
+  SolidMeasure whole;  ///< exact sum of all of them
 };
 
-/// Follows a field that changes brick by brick, and knows its pieces: see the picture above. Bricks go by slots: one
+/// Follows a field that changes brick by brick, and finds its pieces: see the picture above. Bricks go by slots: one
 /// for each brick that is stored, marked as interior, or was edited. One thread at a time.
 class PieceFinder {
  public:
-  /// @param phi0  kept by reference, must outlive this and not change.   Parallel inside; 2 us of a core per
-  /// stored brick.
+  /// @param phi0  kept by reference, must outlive this and not change.   Parallel inside; 2 us of a core per stored
+  ///   brick.
   explicit PieceFinder(const BrickField& phi0, const PieceOptions& options = {});
-  /// Of a piece: these bricks of phi0 alone, which must be all that are near its inside nodes. What is near other
-  /// pieces follows by apply(), as PieceOrigin has it.
+  /// For a piece: only these bricks of phi0, which must be all near its inside nodes. The values near other pieces
+  /// follow by apply(), from PieceOrigin.
   PieceFinder(const BrickField& phi0, std::span<const Vec3i> bricks, const PieceOptions& options = {});
 
   /// Takes the newest values of some bricks (a later edit of the same brick wins; new bricks may appear). 2 us each.
   void apply(std::span<const BrickEdit> edits);
-  /// Pieces of the field as it is now. 40 ns a brick of the blocks that changed, and 1 us a block; no work when nothing
-  /// has changed.
+  /// Pieces of the current field. 40 ns a brick of the blocks that changed, and 1 us a block; no work without changes.
   const PieceList& find();
 
-  // Whose is what. @pre of all of these: find() was called after the last apply().
+  // Look-up. @pre of all of these: find() was called after the last apply().
 
   static constexpr std::uint32_t kNoPiece = 0xffffffff, kSeveralPieces = 0xfffffffe;
   /// Piece of a node; kNoPiece outside.
@@ -91,13 +90,14 @@ class PieceFinder {
   std::uint32_t pieceOfBrick(const Vec3i& brick) const;
   /// Pieces of all nodes of a brick, as pieceAt() gives them.
   void piecesIn(const Vec3i& brick, std::span<std::uint32_t, kBrickNodes> out) const;
-  /// Of every slot, as pieceOfBrick().
+  /// For every slot, as pieceOfBrick().
   void piecesOfSlots(std::vector<std::uint32_t>& out) const;
-  /// Of every block, the piece of all that is inside in it and the 26 around it; kSeveralPieces where they differ.
+  /// For every block, the piece of all inside nodes in it and the 26 blocks around it; kSeveralPieces where they
+  /// differ.
   std::vector<std::uint32_t> piecesInSight() const;
 
-  /// Calls visit(piece, low, high) for the parts of a brick, with the box of a part's nodes, counted in the brick: 0 to
-  /// 7.
+  /// Calls visit(piece, low, high) for the parts of a brick. low, high: box of a part's nodes, counted in the brick, 0
+  /// to 7.
   template <class Visit>
   void forEachPart(std::uint32_t slot, const Visit& visit) const {
     const std::int32_t index = parts_of_[slot];
@@ -109,8 +109,8 @@ class PieceFinder {
             Vec3i(part.high[0], part.high[1], part.high[2]));
   }
 
-  /// Calls visit(piece, offset) for the inside nodes of a box, counted in the brick, that have an outside node next to
-  /// them along an axis, until it returns true; whether it did.
+  /// Calls visit(piece, offset) for those inside nodes of a box, counted in the brick, that have an outside node next
+  /// to them along an axis. Stops when it returns true. @return whether it did.
   template <class Visit>
   bool forEachOutermost(std::uint32_t slot, const Vec3i& low, const Vec3i& high, const Visit& visit) const {
     const std::int32_t index = parts_of_[slot];
@@ -133,7 +133,7 @@ class PieceFinder {
   std::uint32_t slotCount() const { return static_cast<std::uint32_t>(keys_.size()); }
   /// Slot of a brick, or -1: air. O(1), no search.
   std::int32_t slotOf(const Vec3i& brick) const { return directory_.find(brick); }
-  /// Calls visit(slot, step) for a brick and the 26 around it, those that have a slot.
+  /// Calls visit(slot, step) for a brick and the 26 around it, if they have a slot.
   template <class Visit>
   void forEachAround(const Vec3i& brick, const Visit& visit) const {
     directory_.forEachAround(
@@ -143,7 +143,7 @@ class PieceFinder {
   std::size_t blockOfSlot(std::uint32_t slot) const { return block_of_[slot]; }
   /// Whether phi0 has values there, not a constant.
   bool isBaked(std::uint32_t slot) const { return is_baked_[slot] != 0; }
-  /// Whether it was air until it was edited: of a piece, whatever phi0 has there.
+  /// Whether it was air before an edit. In a piece phi0 may have any value there.
   bool wasAir(std::uint32_t slot) const { return slot >= first_count_; }
   bool hasAdded() const { return slotCount() > first_count_; }
 
@@ -161,7 +161,7 @@ class PieceFinder {
     std::array<std::int32_t, 3> above{kNoSlot, kNoSlot, kNoSlot};  // the next block along each axis
     std::vector<Group> groups;
     std::array<std::vector<std::pair<std::uint32_t, std::uint32_t>>, 3> joins;  // groups of this and the one above
-    std::uint32_t first_group = 0;                                              // among those of all blocks
+    std::uint32_t first_group = 0;                                              // among the groups of all blocks
     bool is_changed = true;
   };
   static constexpr std::int32_t kOutside = -1, kFull = -2;  // in parts_of_, else an index
@@ -169,7 +169,7 @@ class PieceFinder {
   static constexpr std::size_t indexOf(std::int32_t number) { return static_cast<std::size_t>(number); }
 
   // Slots: pieces.cpp.
-  void scanAll();  // what keys_ has
+  void scanAll();  // scans the slots in keys_
   void layDirectory();
   void findNeighbors();
   std::int32_t addSlot(const Vec3i& brick);
@@ -193,7 +193,7 @@ class PieceFinder {
   std::vector<Group> mergeGroups();
   void listPieces(const std::vector<Group>& found);
 
-  // Whose is what: piece_lookup.cpp.
+  // Look-up: piece_lookup.cpp.
   std::uint32_t partAt(std::int32_t slot, int offset) const;
   std::uint32_t groupOf(std::int32_t slot, std::uint32_t part) const;
   std::uint32_t pieceOfSlot(std::size_t slot) const;
@@ -210,21 +210,21 @@ class PieceFinder {
   std::vector<std::array<std::int32_t, 6>> neighbors_;
   std::vector<std::int32_t> parts_of_;  // index in parts_, or kOutside, or kFull
   std::vector<std::uint32_t> block_of_;
-  std::vector<std::uint32_t> group_of_full_;  // of those that are kFull
-  std::size_t first_count_ = 0;               // slots there were before the first edit
+  std::vector<std::uint32_t> group_of_full_;  // for slots that are kFull
+  std::size_t first_count_ = 0;               // number of slots before the first edit
   BrickDirectory directory_;
 
-  std::vector<internal::BrickParts> parts_;  // of the bricks that are neither all inside nor all outside
+  std::vector<internal::BrickParts> parts_;  // of bricks that are neither all inside nor all outside
 
   std::vector<Block> blocks_;
   std::unordered_map<std::uint64_t, std::int32_t> block_at_;  // by key of brick / 8
 
-  // Of the last find().
+  // Result of the last find().
   bool is_current_ = false;
   PieceList list_;
-  std::vector<std::uint32_t> piece_of_group_;  // of all blocks, one after the other
+  std::vector<std::uint32_t> piece_of_group_;  // for the groups of all blocks, one after the other
 
-  // Scratch of groupParts(): of the slots of one block, the first of their parts, and how these are united.
+  // Scratch of groupParts(): for the slots of one block, the number of their first part, and the union-find tree.
   std::vector<std::uint32_t> first_part_, parent_;
 };
 

@@ -16,8 +16,7 @@ using internal::SplitLists;
 using internal::SplitView;
 using internal::WantedBrick;
 
-// What the pieces want the values of, brick by brick: what two pieces have near
-// each other is searched once.
+// Computes the wanted values brick by brick, so that one search serves all pieces near a brick.
 void sortWanted(const std::vector<PieceBricks>& pieces, SplitLists& lists) {
   std::vector<WantedBrick>& wanted = lists.wanted;
   wanted.clear();
@@ -34,8 +33,7 @@ void sortWanted(const std::vector<PieceBricks>& pieces, SplitLists& lists) {
   lists.begin.push_back(wanted.size());
 }
 
-// The values of the bricks near other pieces. @param first  id of the first
-// piece.
+// Values of the bricks near other pieces. @param first  id of the first piece.
 void fillChanged(const SplitView& view, std::uint32_t first, bool is_parallel, const SplitLists& lists,
                  std::vector<PieceBricks>& out) {
   constexpr std::size_t kBricksALot = 16;
@@ -49,7 +47,7 @@ void fillChanged(const SplitView& view, std::uint32_t first, bool is_parallel, c
         const std::uint32_t id = first + static_cast<std::uint32_t>(wanted.piece);
         BrickEdit& edit = out[wanted.piece].changed[wanted.edit];
         if (!view.isWithinReach(edit.brick,
-                                id)) {  // as most: they are another piece's alone
+                                id)) {  // usual case: another piece's alone
           edit.phi.fill(view.pieces.field().background());
           continue;
         }

@@ -1,4 +1,4 @@
-// The values that the pieces of a cut object have as objects of their own.
+// The field of each piece of a cut object as an object of its own.
 //
 // A line through a kerf between pieces A and B, in voxels, the band 3 voxels wide:
 //
@@ -10,7 +10,7 @@
 //                       its inside     next to it, or nearer to A
 //   piece B            3     3     3     3    2.5   1.5   0.5  -0.5  -1.5  -2.5
 //
-// So the surface of each piece stays where it is, and no trace of the other one is left.
+// The surface of each piece stays where it is, and no trace of the other piece is left.
 #pragma once
 
 #include <vector>
@@ -22,24 +22,24 @@
 
 namespace kerf {
 
-/// The field of one piece alone, to be an object of its own.
+/// The field of one piece alone, for an object of its own.
 ///
 /// Its inside nodes, and the outside nodes next to them along an axis, keep their values: no edge that the surface of
 /// the piece crosses changes, so its SolidMeasure stays the same to the bit (marching cubes' chord balance reads one
 /// node farther, and may move a vertex by a few hundredths of a voxel where another piece was two voxels away).
 ///
-/// Inside nodes of other pieces become outside: at least |phi|, for the nearest surface is at least that of their own
-/// piece and the wanted one lies beyond it. That alone would leave the others behind as ghosts, a field that is nearly
-/// zero where nothing is. So nodes nearer to another piece than to this one get their distance to this one, the
-/// background beyond the band. It is estimated by the balls of radius |phi| around the piece's outermost nodes: too
-/// large by 0.2 voxels, by 1 at a sharp corner. Where both are about equally near the result is within half a voxel. A
-/// brick near another piece that this one does not reach is background, whatever it was.
+/// Inside nodes of other pieces become outside: at least |phi|, because the nearest surface is at least that of their
+/// own piece, and the wanted one lies beyond it. That alone would leave ghosts: values near zero without a surface. So
+/// nodes nearer to another piece get their distance to this piece, and the background value beyond the band. Balls of
+/// radius |phi| around the piece's outermost nodes estimate the distance: too large by 0.2 voxels, by 1 at a sharp
+/// corner. Where both are about equally near the result is within half a voxel. A brick near another piece and out of
+/// this piece's reach becomes background.
 /// @param id  piece or crumb of the last find().   O(its bricks); parallel inside; 10 us per brick near another piece.
 BrickField splitField(const PieceFinder& pieces, std::uint32_t id);
 
-/// Of the first `count` pieces of the last find(): together, since pieces near each other share most of the work.
+/// Bricks of the first `count` pieces of the last find(), in one pass: pieces near each other share most of the work.
 /// O(all bricks); parallel inside if wanted; 10 us per brick near another piece.
-/// @param pool  its memory is used, and the lists that are returned are taken from it; may be null.
+/// @param pool  gives memory and the returned lists; may be null.
 std::vector<PieceBricks> bricksOfPieces(const PieceFinder& pieces, std::size_t count, bool is_parallel = true,
                                         SplitPool* pool = nullptr);
 

@@ -1,4 +1,4 @@
-// The lists in which an object is split: what SplitPool keeps.
+// Lists for splitting an object, kept by SplitPool.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@ namespace kerf::internal {
 /// Slots of the finder that one thread lays out at a time.
 inline constexpr std::uint32_t kSlotsALot = 4096;
 
-/// Which bricks of one lot a piece has: as PieceBricks, without values.
+/// Bricks of a piece in one lot: as PieceBricks, without values.
 struct LotBricks {
   std::vector<Vec3i> bricks, interior, changed, at_edge;
   void clear() {
@@ -23,7 +23,7 @@ struct LotBricks {
   }
 };
 
-/// A brick of PieceBricks::changed whose values are wanted.
+/// A brick of PieceBricks::changed that needs its values.
 struct WantedBrick {
   std::uint64_t brick;  ///< key
   std::size_t piece, edit;
@@ -32,10 +32,10 @@ struct WantedBrick {
 struct SplitLists {
   std::vector<std::uint32_t> piece_of;   ///< per slot: see SplitView
   std::vector<unsigned char> is_stored;  ///< per slot: see SplitView
-  std::vector<LotBricks> lots;           ///< of each lot, for each piece
+  std::vector<LotBricks> lots;           ///< for each lot and each piece
   std::vector<WantedBrick> wanted;       ///< in order of their bricks
-  std::vector<std::size_t> begin;        ///< in `wanted`: where another brick begins
-  std::vector<PieceBricks> out;          ///< empty ones, for what is returned
+  std::vector<std::size_t> begin;        ///< starts of the bricks in `wanted`
+  std::vector<PieceBricks> out;          ///< empty lists for the result
 };
 
 }  // namespace kerf::internal

@@ -11,8 +11,7 @@
 namespace kerf {
 namespace {
 
-// Copies what was cut before and is the piece's alone: its bricks that were
-// edited, but for those near other pieces.
+// Copies the edited bricks of the piece alone, except those near other pieces.
 // @param near_others  in order of their bricks.
 void copyCut(const CutObject& piece, const PieceFinder& finder, const std::vector<BrickEdit>& near_others,
              std::vector<BrickEdit>& out) {
@@ -57,8 +56,7 @@ std::unique_ptr<ObjectPieces> makePieces(const CutObject& whole, PieceFinder& fi
     return out;
   }
 
-  // Each on its own, on as many cores as there are: neither reads what the
-  // other makes.
+  // Each on its own, on all cores: neither reads the results of the other.
   std::vector<std::optional<CutObject>> made(count);
   out->origins.resize(count);
   internal::forEach(count, is_parallel, [&](std::size_t n) {

@@ -19,9 +19,8 @@ SplitPool& SplitPool::operator=(SplitPool&&) noexcept = default;
 
 void SplitPool::reserve(const PieceFinder& finder, std::size_t pieces) {
   const std::size_t slots = finder.slotCount(), edited = finder.field().changed().brickCount();
-  // As many are near another piece as were cut, or fewer. More than is wanted
-  // now, and once for a whole cut: it must not be made anew while one goes
-  // through.
+  // At most as many bricks are near another piece as were edited. Reserves more than needed now, once for a whole cut:
+  // no reallocation while a cut goes through.
   const std::size_t changed = edited + 512, more_changed = std::max(2 * changed, internal::bricksOfACut(slots));
   const std::size_t added = slots + 512, more = slots + slots / 16 + 4096;
 

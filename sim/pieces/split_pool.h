@@ -13,8 +13,8 @@ namespace internal {
 struct SplitLists;
 }
 
-/// Memory for bricksOfPieces(), kept for the next time. New pages are slow to come: up to 20 us each where all memory
-/// is locked and the machine is a virtual one.
+/// Memory for bricksOfPieces(), kept between calls. New pages are slow to come: up to 20 us each on a virtual machine
+/// with all memory locked.
 class SplitPool {
  public:
   SplitPool();
@@ -22,12 +22,12 @@ class SplitPool {
   SplitPool(SplitPool&&) noexcept;
   SplitPool& operator=(SplitPool&&) noexcept;
 
-  /// For `pieces` pieces of what the finder has now, every page of it written to. Does nothing when it is there, else
-  /// makes more than that. 100 bytes a brick, and 8 to 16 KB for each that was edited.
+  /// For `pieces` pieces of the finder's current field; writes to every page. Does nothing if the memory is there, else
+  /// makes it with a reserve. 100 bytes a brick, and 8 to 16 KB for each edited brick.
   void reserve(const PieceFinder& finder, std::size_t pieces);
-  /// Takes lists of bricksOfPieces() that are needed no more, for their memory.
+  /// Takes back unneeded lists of bricksOfPieces(), for their memory.
   void takeBack(PieceBricks&& bricks);
-  /// What bricksOfPieces() works in.
+  /// Scratch of bricksOfPieces().
   internal::SplitLists& lists() { return *lists_; }
 
  private:

@@ -1,4 +1,4 @@
-// A split, ready to be put in place: the objects that take the place of one, or that one again.
+// A prepared split: exchanges an object for its parts, or back.
 #pragma once
 
 #include <memory>
@@ -8,29 +8,29 @@
 
 namespace kerf {
 
-/// Pose and ledger of an object, as of the end of a stroke.
+/// Pose and ledger of an object at the end of a stroke.
 struct TrackedState {
   Rigid3 pose;
   Ledger ledger;
 };
 TrackedState trackedState(const CutObject& object);
 
-/// One step of undo and redo: either the whole or its parts are in the scene, the others are here.
+/// One step of undo and redo. Either the whole or its parts are in the scene; this holds the others.
 struct Split {
   struct Part {
     CutObject object;
     TrackedState tracked;
   };
-  std::size_t index = 0;  ///< of the whole in the scene; its first part takes that place, the others are the last ones
+  std::size_t index = 0;  ///< of the whole in the scene; its first part takes that place, the others are appended
   std::size_t parts = 0;  ///< how many
   /// The objects of this split that are not in the scene: the whole while it is split, else its parts.
   std::vector<Part> out_of_scene;
-  /// Empty, its memory reserved: takes what leaves the scene when the two change places.
+  /// Empty, with reserved memory: takes the objects that leave the scene in the exchange.
   std::vector<Part> for_exchange;
   std::unique_ptr<Split> next;  ///< in a list of splits
 };
 
-/// What SessionHistory::split() wants, made by any thread. Allocates.
+/// Input of SessionHistory::split(), made by any thread. Allocates.
 std::unique_ptr<Split> prepareSplit(std::vector<CutObject> parts);
 
 }  // namespace kerf

@@ -12,8 +12,7 @@ void findStored(const PieceFinder& pieces, std::vector<unsigned char>& out) {
   const OverlayField& field = pieces.field();
   out.resize(pieces.slotCount());
   for (std::uint32_t s = 0; s < pieces.slotCount(); ++s) out[s] = pieces.isBaked(s);
-  // What was taken back is as if it had never been: the result depends on the
-  // values, not on how they came about.
+  // Undone edits count as never made: the result depends on the values, not on their history.
   for (std::size_t b = 0; b < field.changed().brickCount(); ++b) {
     const Vec3i& c = field.changed().brickCoord(b);
     const auto s = static_cast<std::uint32_t>(pieces.slotOf(c));
@@ -33,8 +32,7 @@ SplitView::SplitView(const PieceFinder& finder, bool is_parallel, SplitLists& li
     if (n == 1) in_sight = finder.piecesInSight();
     if (n == 2) findStored(finder, lists.is_stored);
   });
-  // A ball's radius is a voxel at most: no farther than the band and that, and
-  // than the bricks around.
+  // Reach: the band plus a ball's radius of at most a voxel, limited to the bricks around.
   const OverlayField& field = finder.field();
   const int reach = static_cast<int>(std::ceil(double{field.background()} / field.voxel()));
   steps = NodeSteps(std::clamp(reach, 1, kBrickSide - 1), static_cast<float>(field.voxel()));

@@ -1,4 +1,4 @@
-// Which of some numbered things are connected: union-find.
+// Union-find of numbered items.
 #pragma once
 
 #include <algorithm>
@@ -7,16 +7,16 @@
 
 namespace kerf::internal {
 
-/// Root of a thing's tree: its smallest member, so that roots do not depend on the order of unions.
-/// @param parent  of each thing, one not larger than itself; a root is its own.
+/// Root of an item's tree: its smallest member, so that roots do not depend on the order of unions.
+/// @param parent  of each item, one not larger than itself; a root is its own.
 inline std::uint32_t rootOf(std::vector<std::uint32_t>& parent, std::uint32_t p) {
   while (parent[p] != p) p = parent[p] = parent[parent[p]];
   return p;
 }
 
-/// Says that a and b are connected.
+/// Connects a and b.
 inline void unite(std::vector<std::uint32_t>& parent, std::uint32_t a, std::uint32_t b) {
-  if (parent[a] == parent[b]) return;  // joined already, as most are
+  if (parent[a] == parent[b]) return;  // already joined: the usual case
   const std::uint32_t root_a = rootOf(parent, a), root_b = rootOf(parent, b);
   if (root_a != root_b) parent[std::max(root_a, root_b)] = std::min(root_a, root_b);
 }

@@ -7,25 +7,25 @@
 namespace kerf::internal {
 namespace {
 
-// Whether there is more at a node than was loaded; depths below a hundredth of a voxel are rounding.
+// Whether a node has more than was loaded; depths below a hundredth of a voxel are rounding.
 bool hasMore(const BrickSlot& slot, std::size_t node, double voxel) {
   return slot.own && slot.own[node] < slot.baked[node] - static_cast<float>(0.01 * voxel);
 }
 
 bool hasMore(const BrickSlot& slot, double voxel) {
-  if (!slot.own) return false;  // as most are
+  if (!slot.own) return false;  // usual case
   for (std::size_t n = 0; n < kBrickNodes; ++n)
     if (hasMore(slot, n, voxel)) return true;
   return false;
 }
 
-// As it was loaded, all pieces together: a piece calls what was another's air, of one material.
+// The materials as loaded, of all pieces together: each piece treats the others' nodes as air of one material.
 const std::uint8_t* loadedMaterials(const BakedObject& loaded, const Vec3i& brick) {
   const std::int32_t slot = loaded.directory().find(brick);
   return slot < 0 ? loaded.fallbackMaterials() : loaded.slots()[static_cast<std::size_t>(slot)].materials;
 }
 
-// The slots of a brick, of each object that has it.
+// The slots of a brick in each object that has it.
 std::vector<const BrickSlot*> slotsOf(const Objects& objects, const Vec3i& brick) {
   std::vector<const BrickSlot*> out;
   for (const CutObject* const object : objects) {

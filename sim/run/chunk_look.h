@@ -1,5 +1,4 @@
-// What a person sees of a surface: chunks with the colours of their tissues and of the scan, and darker where light
-// hardly comes.
+// Appearance of a surface: chunks with the colours of their tissues and of the scan, darker where little light comes.
 #pragma once
 
 #include <filesystem>
@@ -12,20 +11,20 @@
 
 namespace kerf::internal {
 
-/// An object that is looked at.
+/// An object to be displayed.
 struct LookedAt {
   std::shared_ptr<const BakedObject> object;
   std::shared_ptr<const ScanColours> scan;     ///< null: the scan has no colours
-  std::shared_ptr<const BrickField> original;  ///< of its case, before anything was cut; not asked without a scan
-  bool is_beside = false;                      ///< greyer: it is not what is worked on
+  std::shared_ptr<const BrickField> original;  ///< of its case, before any cut; unused without a scan
+  bool is_beside = false;                      ///< greyer: a neighbour of the case
 };
 
-/// For RemesherOptions::finish, of an object and of its pieces. Keeps what it is given.
-/// Error: the table of materials cannot be read.
+/// For RemesherOptions::finish, of an object and its pieces. Keeps its argument. Error: the table of materials cannot
+/// be read.
 Expected<decltype(RemesherOptions::finish)> chunkLook(LookedAt of);
 
-/// The colours of a case's solid. Null: it has none.   Errors: as readCaseSolid().
-/// @cost  that of reading the solid, 0.1 s for a jaw.
+/// The colours of a case's solid. Null: none.   Errors: as readCaseSolid().
+/// @cost  reads the solid: 0.1 s for a jaw.
 Expected<std::shared_ptr<const ScanColours>> scanColoursOf(const std::filesystem::path& case_folder);
 
 }  // namespace kerf::internal

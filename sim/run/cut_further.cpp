@@ -23,12 +23,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Something that the tool sweeps: a piece of the case, all of it, or a neighbour.
+// An object that the tool sweeps: a piece of the case, all of it, or a neighbour.
 struct Target {
   const BrickField* begin = nullptr;
-  CutPath path;  // short motions merged, in its own frame
+  CutPath path;  // short motions merged, in the object's frame
   std::unique_ptr<SweepCutter> cutter;
-  BrickField cut;  // in the bricks that changed
+  BrickField cut;  // bricks that changed
 };
 
 std::vector<Target> targetsOf(const CutScene& scene, const Bodies& bodies, const CutPath& path) {
@@ -47,7 +47,7 @@ struct SweptFurther {
   bool is_case_cut = false;  // a piece of it, or all
 };
 
-// What the tool swept of all of them, motion by motion.   @param bodies  so many of the first are of the case.
+// Sweeps the tool through all bodies, motion by motion.   @param bodies  the first ones belong to the case.
 Expected<SweptFurther> sweepFurther(std::vector<Target>& targets, std::size_t bodies, const CutScene& scene,
                                     const CutPath& path, const Progress& progress) {
   SweptFurther out;
@@ -90,7 +90,7 @@ RunManifest furtherManifest(const CutScene& scene, const MergedPath& merged) {
   return m;
 }
 
-// The fields of the case and of its neighbours, as they differ from how they were before any run.
+// The fields of the case and its neighbours, as differences from their state before any run.
 std::vector<BrickField> furtherFields(const CutScene& scene, const std::vector<Target>& targets, std::size_t bodies) {
   std::vector<FieldPart> parts;
   for (std::size_t n = 0; n < bodies; ++n) parts.push_back({.begin = targets[n].begin, .changed = &targets[n].cut});
@@ -141,7 +141,7 @@ Expected<RunManifest> cutFurther(const fs::path& run, const fs::path& tool_file,
     KERF_TRY(left, piecesLeft(scene, changed.front(), put_back, parts));
     m.pieces = std::move(left.pieces);
     m.pieces_cut_away = std::move(left.cut_away);
-    m.findings.comes_out_at.reset();  // what is behind the tip goes by the case in one piece
+    m.findings.comes_out_at.reset();  // valid only for a case in one piece
   }
   VolumeByNumber removed{};
   for (std::size_t n = 0; n < bodies.all.size(); ++n) {

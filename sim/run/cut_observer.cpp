@@ -30,7 +30,7 @@ class SessionLogFile final : public CutObserver {
  public:
   explicit SessionLogFile(SessionLogWriter writer) : writer_(std::move(writer)), sink_(writer_) {}
   SessionSink& sink() { return sink_; }
-  void tick(const CutTick&) override {}  // the session has told the sink
+  void tick(const CutTick&) override {}  // the session writes to the sink itself
   Expected<void> close() override { return sink_.close(); }
 
  private:
@@ -46,7 +46,7 @@ Expected<SessionLogWriter> startLog(const CutScene& scene, const fs::path& stagi
                        {"tool", in.tool.id},
                        {"tool_sha256", tool_hash}};
   for (std::size_t n = 1; n < in.manifests.size(); ++n) header.emplace_back(neighbourKey(n), in.manifests[n].id);
-  // The header describes the session and is written before it: a session without a log tells what to write.
+  // The header describes the session and is written before it: a session without a log provides it.
   const SessionHeader settings = describe(Session(scene.model, {scene.objects.front()}, scene.start()));
   header.insert(header.end(), settings.begin(), settings.end());
   return SessionLogWriter::create(staging / kRunLog, header);
@@ -54,7 +54,7 @@ Expected<SessionLogWriter> startLog(const CutScene& scene, const fs::path& stagi
 
 // ---- Temperature, distances and neighbours
 
-// What two objects have in common, mm^3: nodes of one that lie in the other.
+// Common volume of two objects, mm^3: nodes of one that lie in the other.
 double overlapOf(const BakedObject& a, const BakedObject& b) {
   const double scale = b.voxel() / a.voxel();
   std::size_t nodes = 0;
@@ -165,7 +165,7 @@ class LoadStatistics final : public CutObserver {
 
     const double nominal = std::abs(tick.sample.pedal) * nominal_speed_;
     const double relative = nominal > 0 ? std::abs(out.speed) / nominal : 0;
-    // A turbine may meet the tissue while it still comes up: from then on its speed falls.
+    // A turbine may meet the tissue while still coming up; from then on its speed falls.
     has_come_up_ = nominal > 0 && (has_come_up_ || relative > 0.98 || relative < last_relative_);
     last_relative_ = relative;
     if (has_come_up_) sum_.least_speed = std::min(sum_.least_speed, relative);
@@ -200,20 +200,21 @@ class LoadStatistics final : public CutObserver {
   std::uint64_t ticks_stalled_ = 0;
   double last_relative_ = 0;  // speed over the nominal, a tick ago
   double nominal_speed_;
-  HapticSummary sum_;  // the fields of which this class is in charge
+  HapticSummary sum_;  // only the fields of this class
   double contact_sum_ = 0, load_sum_ = 0;
   std::uint64_t ticks_in_contact_ = 0;
   bool has_come_up_ = false;
 };
 
-// ---- How far the tool was kept off its path
+// ---- Distance of the tool from its path
 
 class PathDeviation final : public CutObserver {
  public:
   explicit PathDeviation(const CutPath& path) : path_(path) {}
 
   void tick(const CutTick& tick) override {
-    // It is near where it was. Only where that is off the path, or the path comes back to it, all of it is searched.
+    // Usually the nearest stretch is near the last one. Searches all of the path only if the tool is off the path
+    // there, or the path comes back to it.
     const Vec3d& tip = tick.output.T_world_tool.translation;
     const std::size_t last = path_.cuts.size() - 1;
     double nearest = nearestOf(stretch_ > kAround ? stretch_ - kAround : 0, std::min(stretch_ + kAround, last), tip);
@@ -255,11 +256,11 @@ class PathDeviation final : public CutObserver {
   Vec3d at_ = Vec3d::Zero();
 };
 
-// ---- Strokes that changed nothing, a tip that comes out behind
+// ---- Idle strokes, and a tip that comes out behind
 
 class StrokeWatch final : public CutObserver {
  public:
-  /// @param is_adding  the tool puts material on: a stroke is idle that added nothing, and nothing is come out of.
+  /// @param is_adding  the tool adds material: a stroke that added nothing is idle, and exits do not count.
   StrokeWatch(const BrickField& loaded, bool is_adding) : exit_(loaded), is_adding_(is_adding) {}
 
   void tick(const CutTick& tick) override {
@@ -275,7 +276,7 @@ class StrokeWatch final : public CutObserver {
     if (!is_adding_) exit_.moveTo(tick.output.T_world_tool);
   }
 
-  // A stroke in which the cut ended before its path did is not judged.
+  // Does not judge a stroke in which the cut ended before its path.
   void addTo(HapticSummary& summary, std::span<const CutObject>) const override {
     PathFindings& out = summary.findings;
     out.strokes = begun_;
@@ -302,8 +303,8 @@ class StrokeWatch final : public CutObserver {
 
 class ForcesTable final : public CutObserver {
  public:
-  /// @param monitor  told of each tick before this; kept by reference.
-  /// @param felt  how the tool is felt.   @param motion  of the tool: what its speed and load are counted in.
+  /// @param monitor  receives each tick before this; kept by reference.
+  /// @param felt  how the hand feels the tool.   @param motion  of the tool: determines the units of speed and load.
   ForcesTable(const fs::path& staging, fs::path run_folder, const Monitor& monitor, const FeltSource& felt,
               std::size_t objects, ToolMotion motion)
       : out_(staging / kRunForces, std::ios::binary),
@@ -375,7 +376,7 @@ class SoundFile final : public CutObserver {
 
 }  // namespace
 
-// A new observer: its class above, one line here.
+// To add an observer: its class above, one line here.
 Expected<CutObservers> CutObservers::make(const CutScene& scene, const HapticCutOptions& options,
                                           const fs::path& staging, const fs::path& run_folder) {
   const ToolModel& tool = scene.model.tools.front();

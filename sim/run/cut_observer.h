@@ -1,4 +1,4 @@
-// Who is told of every tick of a cut against resistance: the interface, and the list of all of them.
+// Observers of every tick of a cut against resistance: the interface, and the list of all observers.
 #pragma once
 
 #include <cstdint>
@@ -18,16 +18,16 @@
 
 namespace kerf::internal {
 
-/// One tick that was just done.
+/// One finished tick.
 struct CutTick {
   const DeviceSample& sample;
   const StepOutput& output;
-  std::span<const CutObject> objects;     ///< the case that is cut, then those beside it
-  std::uint64_t ticks = 0;                ///< so far, with this one
-  double removed_mm3 = 0, added_mm3 = 0;  ///< of the case so far: cut off it, put onto it
+  std::span<const CutObject> objects;     ///< the case to be cut, then its neighbours
+  std::uint64_t ticks = 0;                ///< so far, including this one
+  double removed_mm3 = 0, added_mm3 = 0;  ///< of the case so far
 };
 
-/// Told of every tick, in lockstep. What it finds out goes into the summary, or into a file of its own in the run.
+/// Receives every tick, in lockstep. Its results go into the summary, or into a file of its own in the run.
 class CutObserver {
  public:
   virtual ~CutObserver() = default;
@@ -38,20 +38,20 @@ class CutObserver {
   virtual void addTo(HapticSummary& /*summary*/, std::span<const CutObject> /*objects*/) const {}
 };
 
-/// All observers of a cut, in the order in which they are told.
+/// All observers of a cut, in their calling order.
 class CutObservers {
  public:
-  /// @param staging  where the files go.   @param run_folder  where they will lie: what errors name.
-  /// @cost seconds: distances to pulp, nerve canal and neighbours are measured beforehand.
+  /// @param staging  where the files go.   @param run_folder  their final folder, named in errors.
+  /// @cost seconds: measures distances to pulp, nerve canal and neighbours beforehand.
   static Expected<CutObservers> make(const CutScene& scene, const HapticCutOptions& options,
                                      const std::filesystem::path& staging, const std::filesystem::path& run_folder);
 
-  /// The session itself tells the log, which also holds commands, strokes and checks.
+  /// The session writes to the log itself; the log also holds commands, strokes and checks.
   SessionSink& log() { return *log_; }
   void tick(const CutTick& tick) {
     for (const auto& observer : all_) observer->tick(tick);
   }
-  /// The first error of all; the files are closed in any case.
+  /// Closes the files in any case. Returns the first error.
   Expected<void> close();
   void addTo(HapticSummary& summary, std::span<const CutObject> objects) const {
     for (const auto& observer : all_) observer->addTo(summary, objects);

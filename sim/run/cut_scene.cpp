@@ -35,7 +35,7 @@ Expected<void> addCase(CutInputs& inputs, const fs::path& folder, const fs::path
   return {};
 }
 
-// The case of a run that is gone on from, and what stood beside it there.
+// Inputs of a continued run: its case, and its neighbours.
 Expected<void> addRun(CutInputs& inputs, const fs::path& run, const fs::path& run_folder) {
   KERF_CHECK(requireAnother(run, run_folder));
   KERF_TRY(before, readRunManifest(run));
@@ -111,7 +111,7 @@ Expected<CutScene> loadScene(CutInputs inputs, const StepSettings& settings) {
     objects.push_back(std::move(object));
     if (!was_cut) continue;
 
-    // On the same voxels, as loadObject() has made sure.
+    // On the same voxels: loadObject() checked it.
     KERF_CHECK(requireOnlyTaken(inputs.from, inputs.before, *begin, originals.back(), n));
     if (n == 0) added_before = addedVolume(originals.back(), *begin, added);
   }

@@ -12,7 +12,7 @@ using nlohmann::json;
 
 constexpr std::array<std::string_view, 3> kHands = {"feed", "force", "device"};
 
-// Reads what toJson() wrote; the first value that is something else ends it.
+// Reads the output of toJson(); the first other value ends it.
 class Reader {
  public:
   explicit Reader(const json& j) : j_(j) {}

@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Vertices that only cut triangles touch; at most about `most` of them, evenly chosen.
+// Vertices of cut triangles only; at most about `most` of them, evenly chosen.
 std::vector<Vec3d> wallVertices(const PostOpMesh& result, std::size_t most) {
   std::vector<char> wall(result.mesh.vertices.size(), 1);
   for (std::size_t t = 0; t < result.mesh.triangles.size(); ++t)
@@ -37,7 +37,7 @@ std::vector<Vec3d> wallVertices(const PostOpMesh& result, std::size_t most) {
   return sampled;
 }
 
-// Distance of wall vertices to the exact sweep: of the path as it is, not of its merged motions. Cancelled: kCancelled.
+// Distance of wall vertices to the exact sweep along the path itself, not its merged motions. Cancelled: kCancelled.
 Expected<WallAccuracy> measureWalls(const fs::path& run_folder, const RunManifest& m, const PostOpMesh& result,
                                     const Progress& progress) {
   constexpr std::size_t kSamples = 4000, kAtOnce = 256;
@@ -78,7 +78,7 @@ Expected<WallAccuracy> measureWalls(const fs::path& run_folder, const RunManifes
   return out;
 }
 
-// Somewhere phi < phi0: material was added.
+// Whether phi < phi0 anywhere: material was added.
 bool liesDeeper(const BrickField& phi, const BrickField& phi0) {
   for (std::size_t b = 0; b < phi.brickCount(); ++b) {
     const BrickValues* const before = phi0.valuesAt(phi.brickCoord(b));
@@ -89,12 +89,12 @@ bool liesDeeper(const BrickField& phi, const BrickField& phi0) {
   return false;
 }
 
-// A case and what a run did to it.
+// A case and its cut by a run.
 struct CutCase {
   CaseManifest manifest;
   Mesh solid;
   BrickField phi0;  // on the grid of `cut`
-  BrickField cut;   // the sweep of a run cut geometry-only, else the cut field
+  BrickField cut;   // the sweep of a geometry-only run, else the cut field
 };
 
 Expected<CutCase> loadCut(const fs::path& run_folder, const RunManifest& manifest, const fs::path& case_folder,
@@ -105,7 +105,7 @@ Expected<CutCase> loadCut(const fs::path& run_folder, const RunManifest& manifes
   const bool is_geometry = manifest.hasSweep();
   KERF_TRY(cut, is_geometry ? readRunSweep(run_folder) : readRunCutField(run_folder, beside));
   const char* const advice = "cut again; a run is never edited";
-  // Of a session those that were in hand.
+  // For a session: the tools that were in hand.
   for (const RunManifest::ToolFile& tool : manifest.tools)
     if ((", " + manifest.tool_id + ", ").find(", " + tool.id + ", ") != std::string::npos)
       KERF_CHECK(requireSha256(run_folder / tool.file, tool.sha256, advice));
@@ -169,7 +169,7 @@ Expected<Export> exportRun(const fs::path& folder, const PostOpOptions& options,
   if (beside == 0) out.pieces = manifest.pieces;
   out.names = ObjectNames::ofCase(case_folder, loaded.manifest);
 
-  // The mesh is made and verified: a measurement that fails does not take it away.
+  // The mesh is made and verified: a failed measurement does not discard it.
   if (manifest.mode == kModeGeometry && !is_geometry)
     out.accuracy_missing = "goes on from a run cut against resistance, of which there is no exact sweep";
   else if (!is_geometry)
@@ -183,9 +183,9 @@ Expected<Export> exportRun(const fs::path& folder, const PostOpOptions& options,
   return out;
 }
 
-// A mesher also knows bricks that undo brought back, a run's file does not, and each has an order of its own. Without
-// the former, and in one order, a session exports what its run does, to the bit: the triangles of the cut are made in
-// the order of its bricks, and what is made of them, and how it is mended after rounding, goes by theirs.
+// A mesher also knows bricks that undo restored; a run's file does not, and each has an order of its own. Without those
+// bricks, and in one order, a session exports the same bits as its run: the triangles of the cut, their later
+// processing and the repair after rounding follow the order of the bricks.
 BrickField withoutRestored(const BrickField& known, const BrickField& phi0) {
   const auto isRestored = [&](std::size_t b) {
     const BrickValues& now = known.brick(b);

@@ -1,4 +1,4 @@
-// The post-operative mesh of a run: the scan minus what was cut off it, with how exact the cut walls are.
+// The post-operative mesh of a run: the scan minus the removed volume, with the accuracy of the cut walls.
 #pragma once
 
 #include <filesystem>
@@ -14,28 +14,28 @@
 
 namespace kerf {
 
-/// How far the cut walls of an exported mesh lie from the exact sweep of the tool, at the vertices.
+/// Distance of an exported mesh's cut walls from the exact sweep of the tool, at the vertices.
 struct WallAccuracy {
   std::size_t vertices = 0;
   double rms_mm = 0, max_mm = 0;
 };
 
 struct Export {
-  PostOpMesh post_op;                      ///< pieces where they were loaded: placedPieces() puts them where they are
-  std::vector<RunManifest::Piece> pieces;  ///< of a session whose object is in pieces, or was moved; else none
+  PostOpMesh post_op;                      ///< pieces where they were loaded: placedPieces() moves them to their places
+  std::vector<RunManifest::Piece> pieces;  ///< of a session whose object is in pieces or was moved; else none
   ObjectNames names;                       ///< of the case
   WallAccuracy accuracy;                   ///< vertices = 0 for a case without a cut
-  std::string accuracy_missing;  ///< why the walls could not be measured; empty if they were, or there is no cut
+  std::string accuracy_missing;            ///< why the walls were not measured; empty if they were, or without a cut
 };
 
-/// The solid of a case with what was removed taken away and, if there is such, what was added united with it.
-/// @param changed  the cut field phi in the bricks where it differs from phi0, on the same grid. A brick that is as it
-/// was loaded counts for nothing.
+/// The solid of a case minus the removed volume, united with the added volume, if any.
+/// @param changed  the cut field phi in the bricks where it differs from phi0, on the same grid. Unchanged bricks have
+///   no effect.
 Expected<PostOpMesh> postOperativeMeshOf(const Mesh& solid, const BrickField& phi0, const BrickField& changed,
                                          const PostOpOptions& options = {}, const Progress& progress = {});
 
 /// The post-operative mesh of a run, or the solid of a case.
-/// @param beside  0: the case that was cut; n: the n-th case that stood beside it, with what was cut off that.
+/// @param beside  0: the case that was cut; n: its n-th neighbour, minus the volume cut off that.
 Expected<Export> exportBundle(const std::filesystem::path& run_or_case, const PostOpOptions& options = {},
                               const Progress& progress = {}, std::size_t beside = 0);
 

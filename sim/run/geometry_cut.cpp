@@ -32,10 +32,10 @@ namespace {
 namespace fs = std::filesystem;
 using internal::nothingWritten;
 
-// How far what a sweep cuts of the object reaches out of a region, mm; <= 0: it stays inside.
+// How far a sweep's cut of the object reaches out of a region, mm; <= 0: it stays inside.
 double reachBeyond(const FineRegion& region, const BrickField& phi0, const BrickField& sweep) {
-  // The removed solid's surface lies where the sweep is 0 and phi0 below 2 fine voxels; the finer field must be there
-  // as far around as its own sweep is kept.
+  // The removed solid's surface lies where the sweep is 0 and phi0 below 2 fine voxels. The finer field must reach as
+  // far around as its own sweep is kept.
   const auto near = static_cast<float>(std::max(phi0.voxel(), 4 * region.voxel_mm));
   double farthest = -region.radius_mm;
 
@@ -53,7 +53,7 @@ double reachBeyond(const FineRegion& region, const BrickField& phi0, const Brick
   return farthest;
 }
 
-// The field that was cut, and what the tool swept of it. The cutter refers to the field: neither moves.
+// The cut field, and the tool's sweep through it. The cutter refers to the field: neither moves.
 struct Swept {
   std::unique_ptr<BrickField> phi0;
   std::unique_ptr<SweepCutter> cutter;
@@ -62,17 +62,17 @@ struct Swept {
   std::map<std::string, double> removed_by_material;
   internal::PieceCount left;
   PathFindings findings;                // of the last pass
-  std::uint64_t hash_before_last = 0;   // of the cut field; of several passes
-  std::uint64_t sweep_before_last = 0;  // hash of the union of all sweeps but the last; of several passes
+  std::uint64_t hash_before_last = 0;   // of the cut field; with several passes
+  std::uint64_t sweep_before_last = 0;  // hash of the union of all sweeps but the last; with several passes
 };
 
-// A tool along a path. A run that goes on from another one has several, one after the other.
+// A tool along a path. A run that continues another one has several, one after the other.
 struct Pass {
   Tool tool;
   CutPath path;
 };
 
-// Sweeps the tool along the path.   @param from, to  of the progress.
+// Sweeps the tool along the path.   @param from, to  range of the progress.
 Expected<void> sweepAlong(Swept& swept, const Pass& pass, double from, double to, const Progress& progress) {
   const Tool& tool = pass.tool;
   const MergedPath merged = mergedFor(*tool.cut, pass.path, swept.phi0->voxel());
@@ -95,7 +95,7 @@ Expected<void> sweepAlong(Swept& swept, const Pass& pass, double from, double to
   return {};
 }
 
-// All passes through `swept.phi0`, from a fresh one on.
+// Sweeps all passes through a fresh `swept.phi0`.
 Expected<void> sweepAll(Swept& swept, std::span<const Pass> passes, double from, double to, const Progress& progress) {
   swept.cutter = std::make_unique<SweepCutter>(*swept.phi0);
   const double share = (to - from) / static_cast<double>(passes.size());
@@ -110,7 +110,7 @@ Expected<void> sweepAll(Swept& swept, std::span<const Pass> passes, double from,
   return {};
 }
 
-// Of the sweep through the object's own grid.
+// Values of the sweep through the object's own grid.
 Expected<std::map<std::string, double>> removedByMaterial(const fs::path& case_folder, const CaseManifest& in_case,
                                                           const Swept& swept) {
   KERF_TRY(labels, readCaseMaterials(case_folder));
@@ -120,7 +120,7 @@ Expected<std::map<std::string, double>> removedByMaterial(const fs::path& case_f
       internal::removedVolumes(*swept.phi0, swept.cutter->cutField(), internal::materialsOf(labels, fallback)), table);
 }
 
-// On the object's own grid; once more on the fine region's if the case has one and the cut stays in it.
+// Sweeps the object's own grid, then the fine region's if the case has one and the cut stays in it.
 Expected<Swept> sweepCase(const fs::path& case_folder, const CaseManifest& in_case, std::span<const Pass> passes,
                           const Progress& progress) {
   KERF_TRY(phi0, readCaseField(case_folder));
@@ -147,9 +147,9 @@ Expected<Swept> sweepCase(const fs::path& case_folder, const CaseManifest& in_ca
   return out;
 }
 
-// ---- Cuts that no node counts
+// ---- Cuts between nodes
 
-// The motions of a path that cut, stroke by stroke.
+// The cutting motions of a path, by stroke.
 std::vector<std::vector<SweptTool>> strokesOf(const Pass& pass, double voxel) {
   const CutPath path = mergedFor(*pass.tool.cut, pass.path, voxel).path;
   std::vector<std::vector<SweptTool>> out;
@@ -163,8 +163,8 @@ std::vector<std::vector<SweptTool>> strokesOf(const Pass& pass, double voxel) {
   return out;
 }
 
-// Of the strokes of the last pass that no node counts, those that take nothing off between the nodes either.
-// @param idle  their numbers, from 1.   @cost  of a stroke that does take something off: that of all passes.
+// Among the strokes of the last pass that no node counts, finds those that remove nothing between the nodes either.
+// @param idle  their numbers, from 1.   @cost  for a stroke that does remove something: that of all passes.
 std::vector<std::size_t> idleBetweenNodes(const BrickField& phi0, std::span<const Pass> passes,
                                           const std::vector<std::size_t>& idle) {
   const auto sweepOf = [&](const std::vector<SweptTool>& stroke) {
@@ -180,7 +180,7 @@ std::vector<std::size_t> idleBetweenNodes(const BrickField& phi0, std::span<cons
       thin[n] = std::move(sweep);
   if (thin.empty()) return idle;
 
-  // Without the strokes before them.
+  // Excludes the volume of earlier strokes.
   SweepCutter before(phi0);
   for (const Pass& pass : passes.first(passes.size() - 1))
     for (const auto& stroke : strokesOf(pass, phi0.voxel()))
@@ -196,8 +196,8 @@ std::vector<std::size_t> idleBetweenNodes(const BrickField& phi0, std::span<cons
   return out;
 }
 
-// Where nodes count no cut the field between them decides, as it does for the export.
-// @param on_own_grid  the volumes were counted on the nodes that were swept.
+// If no node counts the cut, the field between the nodes decides, as in the export.
+// @param on_own_grid  the volumes were counted on the swept nodes.
 void judgeBetweenNodes(const Swept& swept, std::span<const Pass> passes, bool on_own_grid, RunManifest& m) {
   double counted_mm3 = 0;
   for (const auto& [id, volume] : m.removed_by_material) counted_mm3 += volume;
@@ -210,18 +210,18 @@ void judgeBetweenNodes(const Swept& swept, std::span<const Pass> passes, bool on
   if (!m.findings.idle.empty()) m.findings.idle = idleBetweenNodes(*swept.phi0, passes, m.findings.idle);
 }
 
-// What no other file of the run says: volumes, and what the object is in now.
+// Values that no other file of the run has: volumes and pieces.
 Expected<void> writeSummary(const fs::path& file, const CaseManifest& in_case, const Swept& swept) {
   std::map<std::string, double> loaded;
   for (const CaseMaterial& material : in_case.materials) loaded[material.id] = material.volume_mm3;
   return internal::writeGeometrySummary(file, loaded, swept.removed_by_material, swept.left);
 }
 
-// ---- What a run was cut with before
+// ---- Earlier cuts of a run
 
 constexpr const char* kEarlierFolder = "earlier";
 
-// From the first path on.
+// The cuts of a run, from the first path on.
 std::vector<RunManifest::EarlierCut> cutsOf(const RunManifest& run) {
   std::vector<RunManifest::EarlierCut> out = run.earlier;
   out.push_back({run.tool_id, internal::kRunToolCopy, run.tool_sha256, run.path_file, run.path_sha256});
@@ -245,14 +245,14 @@ Expected<RunManifest::EarlierCut> storeEarlier(const fs::path& from, const RunMa
   out.tool_file = (folder / internal::kRunToolCopy).string();
   out.path_file = (folder / fs::path(cut.path_file).filename()).string();
   std::error_code ignored;
-  fs::create_directories(staging / folder, ignored);  // copying tells what is wrong
+  fs::create_directories(staging / folder, ignored);  // the copy reports the error
   KERF_CHECK(copyFile(from / cut.tool_file, staging / out.tool_file));
   KERF_CHECK(copyFile(from / cut.path_file, staging / out.path_file));
   if (tool.mesh) KERF_CHECK(copyFile(tool.mesh_file, staging / folder / tool.mesh_file.filename()));
   return out;
 }
 
-// What is cut: a case, or a run with all that it was cut with.
+// The subject of the cut: a case, or a run with all its earlier cuts.
 struct Begin {
   fs::path case_folder;
   fs::path run{};  // empty: none
@@ -278,7 +278,7 @@ Expected<Begin> beginWithRun(const fs::path& run, const RunManifest& manifest) {
   return out;
 }
 
-// Swept again, tools and paths of the run before must give what it says it is. On other voxels that is not known.
+// The sweep of the earlier tools and paths must reproduce the run's state. On other voxels this cannot be checked.
 Expected<void> requireSameBefore(const Begin& begin, const Swept& swept) {
   if (begin.cuts.empty() || begin.voxel_mm != swept.phi0->voxel()) return {};
   const std::string again = fmt::format("{:016x}", swept.sweep_before_last);

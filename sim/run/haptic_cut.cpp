@@ -66,7 +66,7 @@ std::unique_ptr<VirtualHand> makeHand(const CutPath& path, const HapticCutOption
   }
 }
 
-// From the first tick on the tool adds this material to the case, instead of cutting; empty: it cuts.
+// Makes the tool add this material to the case from the first tick on; empty: it cuts.
 Expected<void> chooseMaterial(Session& session, const MaterialTable& materials, const std::string& id) {
   if (id.empty()) return {};
   auto row = materials.require(id);
@@ -84,7 +84,7 @@ Expected<void> chooseMaterial(Session& session, const MaterialTable& materials, 
 
 // ---- Simulate
 
-// How a simulation went.
+// Course of a simulation.
 struct Simulated {
   std::uint64_t ticks = 0;
   double removed_mm3 = 0, added_mm3 = 0;  // of the case
@@ -93,7 +93,7 @@ struct Simulated {
   std::string ended;
 };
 
-// The virtual hand gives no more samples: why.
+// Why the virtual hand gives no more samples.
 void endByHand(const VirtualHand& hand, const HapticCutOptions& options, Simulated& end) {
   const auto* force = dynamic_cast<const ForceHand*>(&hand);
   end.is_complete = !(force && force->gaveUp());
@@ -101,7 +101,7 @@ void endByHand(const VirtualHand& hand, const HapticCutOptions& options, Simulat
                               : fmt::format("no progress in {} s at {} N", options.force.patience, options.force.force);
 }
 
-// Ticks until the hand is done or the time is over; each tick is shown to the observers.
+// Ticks until the hand is done or the time is over, and shows each tick to the observers.
 Expected<Simulated> simulate(Session& session, const CutInputs& inputs, const HapticCutOptions& options,
                              CutObservers& observers, const Progress& progress) {
   const std::unique_ptr<VirtualHand> hand = makeHand(inputs.path, options, session.model());
@@ -153,7 +153,7 @@ Expected<Simulated> simulate(Session& session, const CutInputs& inputs, const Ha
 
 // ---- Summarise
 
-// In the bricks where the case differs from how the session has loaded it.
+// The field of the case in the bricks that differ from the loaded state.
 BrickField changesOfCase(const Session& session) {
   const internal::Objects objects = internal::objectsOf(session, 0);
   if (!internal::isInPieces(objects)) return objects.front()->bricks().changedField();
@@ -163,7 +163,7 @@ BrickField changesOfCase(const Session& session) {
   return joinedChanges(objects.front()->baked().phi0(), parts);
 }
 
-// The fields of the case and of its neighbours in the bricks that changed. Error kEmpty: nothing of the case changed.
+// The fields of the case and its neighbours in the bricks that changed. Error kEmpty: nothing of the case changed.
 Expected<std::vector<BrickField>> changedFields(const Session& session, const CutScene& scene,
                                                 const HapticCutOptions& options, const Simulated& simulated,
                                                 const Bodies& bodies) {
@@ -172,7 +172,7 @@ Expected<std::vector<BrickField>> changedFields(const Session& session, const Cu
   std::vector<BrickField> changed{changesOfCase(session)};
   for (std::size_t n = 1; n < scene.objects.size(); ++n)
     changed.push_back(session.state().objects[n].bricks().changedField());
-  // To come apart changes nodes that no surface passes.
+  // A split changes nodes away from any surface.
   const bool is_in_pieces = internal::isInPieces(internal::objectsOf(session, 0));
   const bool is_cut =
       is_in_pieces ? simulated.removed_mm3 != 0 || simulated.added_mm3 != 0 : !changed.front().isEmpty();
@@ -208,7 +208,7 @@ Expected<std::vector<BrickField>> changedFields(const Session& session, const Cu
                              "frame and unit, the spindle and the force"});
 }
 
-// What the path asks of a body: the cutting part swept along it, without resistance.
+// Planned volume of a body: the cutting part swept along the path, without resistance.
 Expected<BrickField> planOf(const Bodies::Body& body, const CutScene& scene, const Progress& progress) {
   const CutPath whole = internal::pathInFrame(scene.inputs.path, body.T_world_body);
   const MergedPath merged = mergedFor(*scene.inputs.tool.cut, whole, body.begin->voxel());
@@ -223,7 +223,7 @@ Expected<BrickField> planOf(const Bodies::Body& body, const CutScene& scene, con
   return cutter.cutField();
 }
 
-// What the path asks for, and what of that was removed.
+// The planned volume, and its removed part.
 Expected<void> compareWithPath(const Session& session, const CutScene& scene, const Bodies& bodies,
                                const BrickField& changed, HapticSummary& summary, const Progress& progress) {
   const internal::Objects objects = internal::objectsOf(session, 0);
@@ -240,7 +240,8 @@ Expected<void> compareWithPath(const Session& session, const CutScene& scene, co
   return {};
 }
 
-// How deep the tip, or the middle of what cuts, is in the case where the path begins, mm; at most the field's band.
+// Depth of the tip, or of the middle of the cutting part, in the case at the start of the path, mm; at most the field's
+// band.
 double depthAtStart(const CutScene& scene, const Bodies& bodies) {
   double deepest = 0;
   for (const Bodies::Body& body : bodies.all) {
@@ -253,7 +254,7 @@ double depthAtStart(const CutScene& scene, const Bodies& bodies) {
   return deepest;
 }
 
-// @param tool  in the handpiece that was asked for.
+// @param tool  in the requested handpiece.
 CutSettings recordOf(const HapticCutOptions& options, const Tool& tool) {
   CutSettings out;
   out.hand = nameOf(options.hand);
@@ -320,7 +321,7 @@ RunManifest manifestOf(const CutScene& scene, const HapticSummary& summary) {
   m.voxel_mm = scene.object().voxel();
   m.state_hash = summary.state_hash;
   for (std::size_t n = 1; n < scene.objects.size(); ++n) {
-    // Rounding must not make a manifest that its reader refuses.
+    // Rounding must not make a manifest that its reader rejects.
     const double removed = std::max(summary.beside[n - 1].removed_mm3, 0.0);
     m.beside.push_back({inputs.paths[n], inputs.manifests[n].id, scene.objects[n]->voxel(), removed});
     if (n >= scene.originals.size()) continue;
@@ -333,7 +334,7 @@ RunManifest manifestOf(const CutScene& scene, const HapticSummary& summary) {
   return m;
 }
 
-// Fields, summary and manifest; what observers write is there already.
+// Writes fields, summary and manifest; the observers have written their files.
 Expected<void> writeRun(const fs::path& staging, const CutInputs& inputs, const std::vector<BrickField>& changed,
                         const MaterialBricks& added, HapticCut& cut) {
   std::vector<NamedField> fields{{"phi", &changed.front()}};
@@ -346,7 +347,7 @@ Expected<void> writeRun(const fs::path& staging, const CutInputs& inputs, const 
   return internal::finishRun(staging, inputs.tool, inputs.tool_file, inputs.path_file, cut.manifest);
 }
 
-// What the tool's file says of speed and torque belongs to its own handpiece.
+// Speed and torque in the tool's file belong to its own handpiece.
 Expected<void> takeHandpiece(Tool& tool, const std::string& name) {
   if (name.empty()) return {};
   const Handpiece* handpiece = findHandpiece(name);
@@ -454,8 +455,7 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
   out.manifest = manifestOf(scene, out.summary);
   out.manifest.missing_pieces = pieces.missing;
   out.manifest.added_before_mm3 = scene.added_before_mm3;
-  if (bodies.isInPieces())
-    out.summary.findings.comes_out_at.reset();  // what is behind the tip goes by the case in one piece
+  if (bodies.isInPieces()) out.summary.findings.comes_out_at.reset();  // valid only for a case in one piece
   if (options.add.empty()) KERF_CHECK(compareWithPath(session, scene, bodies, changed.front(), out.summary, progress));
   if (options.hand == HandKind::kDevice)
     out.summary.coupling_text =
@@ -464,7 +464,7 @@ Expected<HapticCut> cutCaseByHand(const fs::path& case_folder, const fs::path& t
 
   // Write.
   if (!report(progress, 0.92, "writing")) return nothingWritten();
-  if (scene.goesOn()) {  // the run has all that was cut, and what it began with
+  if (scene.goesOn()) {  // the run stores all cuts and its initial field
     for (std::size_t n = 0; n < scene.originals.size(); ++n) {
       const FieldPart all{.begin = &scene.objects[n]->phi0(), .changed = &changed[n]};
       changed[n] = joinedChanges(scene.originals[n], {&all, 1});

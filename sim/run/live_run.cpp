@@ -30,7 +30,7 @@ LiveRun::~LiveRun() {
     (void)finish();
     return;
   }
-  // Never started: nobody has worked in its folder.
+  // Never started: nothing was done in its folder.
   (void)recorder_->close();
   std::error_code ignored;
   fs::remove_all(folder_, ignored);
@@ -50,7 +50,7 @@ Expected<std::unique_ptr<LiveRun>> LiveRun::open(const fs::path& case_folder, co
   return out;
 }
 
-// All that may take long, and that can be cancelled.
+// All work that may take long, and that the user can cancel.
 Expected<void> LiveRun::load(const Progress& progress) {
   if (!report(progress, 0, "loading the case")) return internal::nothingWritten();
   KERF_TRY(manifest, readCaseManifest(case_folder_));
@@ -75,10 +75,10 @@ Expected<void> LiveRun::load(const Progress& progress) {
   const LoadedObjects objects = loaded();
   haptic_ = std::make_unique<HapticThread>(std::move(model), objects, options_.start, options_.haptic);
   for (std::size_t n = 0; n < objects.size(); ++n) {
-    const CutObject& object = haptic_->session().state().objects[n];  // pieces stand behind all that was loaded
+    const CutObject& object = haptic_->session().state().objects[n];  // loaded objects come before all pieces
     BrickFeed& feed = feeds_.emplace_back();
     if (n > 0) labels_[object.id].name = neighbours_[n - 1].known.name;
-    if (!object.bricks().isPiece())  // else on_piece tells of all
+    if (!object.bricks().isPiece())  // on_piece reports pieces
       shown_.push_back({object.id, static_cast<std::uint32_t>(n),
                         std::make_shared<MesherThread>(objects[n]->phi0(), feed, mesher_options_[n])});
   }
@@ -102,7 +102,7 @@ bool LiveRun::isBeside(std::uint32_t id) const {
   return at != shown_.end() && at->loaded > 0;
 }
 
-// How the surface of each object that is loaded is coloured.
+// Sets the colours of each loaded object's surface.
 Expected<void> LiveRun::chooseColours() {
   mesher_options_.assign(1 + neighbours_.size(), options_.mesher);
   if (!options_.is_looked_at) return {};
@@ -122,7 +122,7 @@ Expected<void> LiveRun::chooseColours() {
   return {};
 }
 
-// Those of the run that is gone on from, as it left them, then those that come new.
+// Loads the neighbours of the continued run in their last state, then the new ones.
 Expected<void> LiveRun::loadNeighbours() {
   if (!options_.from.empty()) {
     KERF_TRY(before, readRunManifest(options_.from));
@@ -174,7 +174,7 @@ Expected<void> LiveRun::loadNeighbour(SessionNeighbour known, const BrickField* 
 
 namespace {
 
-// mm^3 that a run took off its case. Of a material that was added there is more than before, which takes nothing off.
+// mm^3 that a run removed from its case. Materials with a gain, after material was added, count as 0.
 Expected<double> takenOff(const fs::path& case_folder, const BrickField& original, const BrickField& begin,
                           const BakedObject& object, const MaterialBricks& added) {
   const internal::MaterialsOf now = internal::materialsOf(object);
@@ -213,7 +213,7 @@ Expected<void> LiveRun::loadWhatIsCut() {
   return {};
 }
 
-// Of the run before: its pieces get their names and places again. What cannot be found again is in missing_.
+// Gives the earlier run's pieces their names and places again. Lists those not found in missing_.
 std::vector<Command> LiveRun::putPiecesBack(Session& session) {
   internal::PiecesPutBack back = internal::putPiecesBack(session, pieces_before_);
   for (const auto& [id, label] : back.labels) labels_[id] = label;
@@ -229,7 +229,7 @@ Expected<void> LiveRun::makeFolder() {
   KERF_TRY(opened, openSessionRun(folder_, case_folder_, case_, options_.tools, options_.from, beside));
   manifest_ = std::move(opened.manifest);
   lock_.emplace(std::move(opened.lock));
-  // Of one that stayed in one piece the manifest says nothing.
+  // The manifest has no entry for an object in one piece.
   if (!options_.from.empty() && pieces_before_.empty()) {
     const std::uint32_t whole = haptic_->session().state().objects.front().id;
     const PieceLabels before = readPieceLabels(options_.from);
@@ -245,7 +245,7 @@ Expected<void> LiveRun::makeFolder() {
     recorder_.emplace(std::move(*recorder));
     return {};
   }
-  fs::remove_all(folder_, ignored);  // nobody has worked in it
+  fs::remove_all(folder_, ignored);  // nothing was done in it
   return fail(std::move(recorder).error());
 }
 
@@ -268,7 +268,7 @@ bool LiveRun::send(const Command& command) {
   return true;
 }
 
-// ---- What there is to see
+// ---- Display
 
 void LiveRun::showNewPieces() {
   std::vector<CameOff> fresh;
@@ -329,7 +329,7 @@ std::optional<SceneView> LiveRun::viewScene() {
     seen.name = is_named ? known->second.name : fmt::format("piece {}", n + 1);
     seen.T_world_object = object.T_world_object;
     seen.mesher = mesherOf(object.id);
-    if (!seen.mesher) return {};  // pieces are in the scene some ms before their meshers are
+    if (!seen.mesher) return {};  // pieces appear some ms before their meshers
   }
   return out;
 }
@@ -406,10 +406,10 @@ Expected<RunManifest> LiveRun::finish(bool keeps_log) {
   showNewPieces();
   for (const Shown& object : shown_) object.mesher->stop();
   const auto closed = recorder_->close();
-  std::vector<const BrickField*> beside;  // null: as the session has loaded it
+  std::vector<const BrickField*> beside;  // null: as loaded by the session
   for (const LiveNeighbour& other : neighbours_)
     beside.push_back(other.known.has_begin ? other.original.get() : nullptr);
-  // Without it, as on a full disk, the log has its numbers.
+  // Without it, for example on a full disk, the log has its numbers.
   manifest_.summary_sha256 = internal::writeSessionSummary(folder_, haptic_->peaks()).value_or("");
   auto ended = endSessionRun(folder_, haptic_->session(), manifest_, labels_,
                              options_.from.empty() ? nullptr : original_.get(), beside);
@@ -421,7 +421,7 @@ Expected<RunManifest> LiveRun::finish(bool keeps_log) {
     return fail(std::move(error));
   }
 
-  // A session without a cut is none: its folder holds nothing that anybody made.
+  // A session without a cut leaves no folder.
   if (ended.error().code == Error::Code::kEmpty && !keeps_log) {
     std::error_code ignored;
     fs::remove_all(folder_, ignored);

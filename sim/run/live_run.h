@@ -1,10 +1,10 @@
-// A run that a person makes: a case, its tools, the three threads, the log; at the end a run folder like any other.
+// A live run by a person: a case, its tools, the three threads, the log; at the end a run folder like any other.
 //
 //   device ──▶ HapticThread ──bricks──▶ MesherThread ──chunks──▶ window
 //                   ├──bricks of pieces───▶ a MesherThread each
 //                   └──samples, commands──▶ SessionRecorder ──▶ RUN/session.kerflog
 //
-// The folder is there from the beginning: what a crash leaves behind, recoverRun() (session_run.h) finishes.
+// The folder exists from the beginning. After a crash recoverRun() (session_run.h) finishes it.
 #pragma once
 
 #include <cstdint>
@@ -27,24 +27,24 @@
 
 namespace kerf {
 
-/// A case that stands beside the one that is worked on.
+/// A neighbour of the case.
 struct CaseBeside {
   std::filesystem::path folder;
-  std::string name;  ///< for people: "35"
+  std::string name;  ///< for display: "35"
 };
 
 struct LiveRunOptions {
   std::vector<SessionTool> tools;  ///< of the rack; the first is in hand
   Rigid3 start;                    ///< of the tool, object frame, in air
   StepSettings step;
-  /// `felt` is set by the tools, if the device can be felt; `pieces.on_piece` by the run.
+  /// The tools set `felt`, if the device can be felt; the run sets `pieces.on_piece`.
   HapticOptions haptic;
   RecorderOptions recorder;
   MesherThreadOptions mesher;
-  /// A run that has ended, from which this one goes on: what it cut is cut, and undo reaches back to here. Empty: none.
+  /// An ended run to continue: its cuts remain, and undo reaches back to its end. Empty: none.
   std::filesystem::path from;
-  /// They stand where their scans stand, are met by the tool, and what is cut off them is recorded. At most
-  /// LiveRun::kMostNeighbours. Of a run that is gone on from: further ones, behind those that stood there.
+  /// Neighbours stand where their scans stand. The tool meets them, and cuts of them are recorded. At most
+  /// LiveRun::kMostNeighbours. When continuing a run: further ones, after those of that run.
   std::vector<CaseBeside> beside;
   bool is_felt = false;       ///< the device renders force
   bool is_looked_at = false;  ///< chunks of the surface get colours and occlusion
@@ -56,7 +56,7 @@ struct ObjectChunks {
   std::vector<MeshChunkPtr> chunks;
 };
 
-/// What is in the scene at a moment: where its objects are, and who knows what was cut off them.
+/// The scene at a moment: its objects, their poses, and their meshers, which know the cuts.
 struct SceneView {
   struct Object {
     std::uint32_t id = 0;
@@ -68,41 +68,41 @@ struct SceneView {
   std::vector<Object> objects;
 };
 
-/// The same, to work on while the cut goes on.
+/// A copy of the scene, for work while the cut goes on.
 struct SceneCopy {
   struct Object {
     std::uint32_t id = 0;
     std::uint32_t loaded = 0;
     std::string name;
     Rigid3 T_world_object;
-    std::shared_ptr<const BrickField> begin;  ///< of a piece, as it came off; null: as loaded
-    BrickField changed;                       ///< bricks that are other now
+    std::shared_ptr<const BrickField> begin;  ///< of a piece, at its split; null: as loaded
+    BrickField changed;                       ///< bricks changed since then
   };
   std::vector<Object> objects;
 };
 
 struct LiveResult {
   PostOpMesh post_op;                      ///< all pieces where they were loaded
-  std::vector<RunManifest::Piece> pieces;  ///< for placedPieces(); none: one object, neither moved nor named
+  std::vector<RunManifest::Piece> pieces;  ///< for placedPieces(); empty: one object, neither moved nor named
 };
 
-/// What stands beside the object that is worked on, as loaded.
+/// A neighbour of the case, as loaded.
 struct LiveNeighbour {
-  SessionNeighbour known;                      ///< known.removed_mm3: what the run before had removed
-  std::shared_ptr<const BakedObject> object;   ///< as this session begins with it
+  SessionNeighbour known;                      ///< known.removed_mm3: volume removed in the earlier run
+  std::shared_ptr<const BakedObject> object;   ///< at the start of this session
   std::shared_ptr<const BrickField> original;  ///< as in its case
 };
 
 /// All calls from one thread, the window's; the haptic thread's own interface is thread().
 class LiveRun {
  public:
-  /// Loads the case and makes the run folder, its parent if need be. Nothing runs yet.
-  /// Errors: those of loading; kWriteFailed, kBadValue without a tool; kCancelled, and then nothing is left behind.
+  /// Loads the case and makes the run folder, and its parent if needed. Nothing runs yet.
+  /// Errors: those of loading; kWriteFailed, kBadValue without a tool; kCancelled, which leaves nothing behind.
   /// @cost  seconds for a tooth, 15 for a mandible at 0.05 mm. May run on any thread, as a job.
   static Expected<std::unique_ptr<LiveRun>> open(const std::filesystem::path& case_folder,
                                                  const std::filesystem::path& run_folder, LiveRunOptions options,
                                                  const Progress& progress = {});
-  /// As finish(), but the result is lost. One that was never started leaves no folder.
+  /// As finish(), but the result is lost. A run that was never started leaves no folder.
   ~LiveRun();
   LiveRun(const LiveRun&) = delete;
   LiveRun& operator=(const LiveRun&) = delete;
@@ -116,59 +116,59 @@ class LiveRun {
   const std::filesystem::path& from() const noexcept { return options_.from; }
   const CaseManifest& caseManifest() const noexcept { return case_; }
   const BakedObject& object() const noexcept { return *object_; }
-  /// The same, for work that may go on after the run is gone.
+  /// The same, for work that may outlive the run.
   std::shared_ptr<const BakedObject> sharedObject() const noexcept { return object_; }
-  /// The field of the case: of one that goes on from another run, as it was before that.
+  /// The field of the case, before the earlier run if this run continues one.
   std::shared_ptr<const BrickField> original() const noexcept { return original_; }
-  /// Of what is worked on. Null: its scan has no colours, or nobody looks at it.
+  /// Colours of the case's scan. Null: it has none, or options.is_looked_at is false.
   std::shared_ptr<const ScanColours> scanColours() const noexcept { return scan_colours_; }
   /// Whether anything in the scene has the colours of its scan.
   bool hasScanColours() const noexcept { return has_scan_colours_; }
-  /// What the run before had removed, mm^3; 0: there was none.
+  /// Volume removed in the earlier run, mm^3; 0 without one.
   double removedBefore() const noexcept { return removed_before_; }
   /// RunManifest::added_before_mm3.
   double addedBefore() const noexcept { return added_before_; }
-  /// Of the pieces it left; they are apart and where they were put from the beginning.
+  /// Labels of the earlier run's pieces. These pieces are apart and in their places from the beginning.
   const PieceLabels& labels() const noexcept { return labels_; }
-  /// Of those that were not found again.
+  /// Names of the pieces that were not found again.
   const std::vector<std::string>& missingPieces() const noexcept { return missing_; }
-  /// In the order of ObjectReport::loaded, from 1 on.
+  /// In the order of ObjectReport::loaded, starting at 1.
   std::span<const LiveNeighbour> neighbours() const noexcept { return neighbours_; }
-  /// Whether an object is one of them, or a piece of one.   @param id  CutObject::id.
+  /// Whether an object is a neighbour, or a piece of one.   @param id  CutObject::id.
   bool isBeside(std::uint32_t id) const;
   std::span<const SessionTool> tools() const noexcept { return options_.tools; }
   const Model& model() const noexcept { return haptic_->session().model(); }
   HapticThread& thread() noexcept { return *haptic_; }
-  /// As HapticThread::send(); the manifest names the tools that were chosen.
+  /// As HapticThread::send(); also records chosen tools for the manifest.
   bool send(const Command& command);
   RecorderStatus recorderStatus() const { return recorder_->status(); }
 
-  // What there is to see: each object has a mesher of its own, with its id. An object that was split, or a piece that
-  // an undo put back, keeps its mesher as long as it may come back.
+  // Display: each object has a mesher of its own, with its id. An object that was split, or a piece that an undo
+  // joined, keeps its mesher as long as it may return.
 
-  /// Chunks that changed since the last call, object by object; pieces that came off since are begun.
+  /// Chunks that changed since the last call, object by object. Starts the meshers of new pieces.
   std::vector<ObjectChunks> takeChunks();
   /// Edits meshed so far, of all objects: see MesherThread::editsDone().
   std::uint64_t editsDone() const noexcept;
 
-  /// What is in the scene. None: a piece that has just come off has no mesher yet; try again some ms later.
+  /// The current scene. Empty: a new piece has no mesher yet; try again some ms later.
   std::optional<SceneView> viewScene();
-  /// What is cut by now, as the meshers know it, a few ms old. The cut goes on. Any thread; waits for the meshers, some
-  /// ms, for a piece that has just come off some seconds.   Error kNotFound: one of the objects is gone.
+  /// The current cuts from the meshers, a few ms old. The cut goes on. Any thread; waits for the meshers: some ms, for
+  /// a new piece some seconds.   Error kNotFound: one of the objects is gone.
   static Expected<SceneCopy> copyOf(const SceneView& view);
   /// The post-operative mesh of a copy. Any thread.   Errors: as exportBundle().
-  /// @param beside  0: of the object that is worked on; n: of the n-th neighbour, where its scan stands.
+  /// @param beside  0: of the case; n: of its n-th neighbour, where its scan stands.
   Expected<LiveResult> postOperative(const SceneCopy& scene, const PostOpOptions& options = {},
                                      const Progress& progress = {}, std::size_t beside = 0) const;
-  /// For the manifest and for what is exported, in the place of "piece N". Kept beside the log: a crash does not lose
-  /// it.
+  /// Sets a name for the manifest and exports, in place of "piece N". Stored beside the log, so that it survives a
+  /// crash.
   void namePiece(std::uint32_t id, const std::string& name);
-  /// The same of its colour. Empty: none.
+  /// Sets the colour in the same way. Empty: none.
   void colourPiece(std::uint32_t id, const std::string& colour);
 
-  /// Stops the threads and writes the run; once. kEmpty: nothing was cut, and the folder is gone again. After any other
+  /// Stops the threads and writes the run; once. kEmpty: nothing was cut, and the folder is deleted. After any other
   /// error the folder is open, and its log is whole.
-  /// @param keeps_log  also of kEmpty: what was cut and taken back is in the log, for branchRun() (run_branch.h).
+  /// @param keeps_log  keeps the log on kEmpty too: it has the undone cuts, for branchRun() (run_branch.h).
   Expected<RunManifest> finish(bool keeps_log = false);
 
  private:
@@ -200,7 +200,7 @@ class LiveRun {
   CaseManifest case_;
   RunManifest manifest_;
   std::shared_ptr<const BakedObject> object_;
-  std::shared_ptr<const BrickField> original_;  // within object_, unless it goes on from a run
+  std::shared_ptr<const BrickField> original_;  // the field in object_, unless the run continues another one
   std::shared_ptr<const ScanColours> scan_colours_;
   bool has_scan_colours_ = false;
   double removed_before_ = 0;
@@ -208,14 +208,14 @@ class LiveRun {
   std::vector<RunManifest::Piece> pieces_before_;
   std::vector<std::string> missing_;
   std::vector<LiveNeighbour> neighbours_;
-  std::deque<BrickFeed> feeds_;                      // of what was loaded
+  std::deque<BrickFeed> feeds_;                      // of the loaded objects
   std::vector<MesherThreadOptions> mesher_options_;  // of the same
   std::optional<RunLock> lock_;
   std::optional<SessionRecorder> recorder_;
   std::unique_ptr<HapticThread> haptic_;
   std::mutex mutex_;
-  std::vector<CameOff> came_off_;  // told by the maker of pieces; guarded by mutex_
-  std::vector<Shown> shown_;       // what was loaded, unless it began in pieces, and what came off
+  std::vector<CameOff> came_off_;  // filled by the maker of pieces; guarded by mutex_
+  std::vector<Shown> shown_;       // loaded objects, unless they began in pieces, and new pieces
   std::uint64_t edits_of_forgotten_ = 0;
   PieceLabels labels_;
   bool is_started_ = false, is_finished_ = false;

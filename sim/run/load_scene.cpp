@@ -14,7 +14,7 @@ Expected<std::shared_ptr<const BakedObject>> loadObject(const std::filesystem::p
   KERF_TRY(manifest, readCaseManifest(case_folder));
   KERF_TRY(table, readDefaultMaterials());
   KERF_CHECK(requireSameMaterials(case_folder, manifest, table));
-  internal::returnFreeMemory();  // of what was open before
+  internal::returnFreeMemory();  // of the document open before
   KERF_TRY(fields, readCaseFields(case_folder, manifest));
   if (begin && begin->voxel() != fields.phi0.voxel())
     return fail({.code = Error::Code::kBadValue,

@@ -1,4 +1,4 @@
-// From files to what the step works on.
+// Loads the step's inputs from files.
 #pragma once
 
 #include <filesystem>
@@ -11,17 +11,17 @@
 
 namespace kerf {
 
-/// The object of a case with its labels; unlabelled nodes are of the case's first material. Checked against the
-/// manifest's hashes. @cost seconds for a whole jaw.
-/// @param begin  bricks in which it differs already: it goes on from an earlier session. Null: as the case is. Error
-/// kBadValue if their voxels are others.
-/// @param added  the materials of what was added in that session: readRunMaterials(). Null: all is as in the case.
-/// Errors kBadValue and kUnsupported if they are not of this case, or of another table of materials.
+/// The object of a case with its labels; unlabelled nodes get the case's first material. Checked against the manifest's
+/// hashes. @cost seconds for a whole jaw.
+/// @param begin  bricks changed by an earlier session that this one continues. Null: as the case. Error kBadValue for
+///   another voxel size.
+/// @param added  materials added in that session: readRunMaterials(). Null: none. Errors kBadValue and kUnsupported for
+///   materials of another case, or of another table of materials.
 Expected<std::shared_ptr<const BakedObject>> loadObject(const std::filesystem::path& case_folder,
                                                         const BrickField* begin = nullptr,
                                                         const MaterialBricks* added = nullptr);
 
-/// Half-width of the widest of their bands, mm: what makeModel() asks for.
+/// Half-width of the widest band of the objects, mm: for makeModel().
 double widestBand(std::span<const std::shared_ptr<const BakedObject>> objects);
 
 /// Tools, tissues by the program's own table, settings. @param band_mm  widestBand() of the objects the tools meet.

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The log's header names what it was recorded with.
+// Checks the inputs named in the log's header.
 class HeaderCheck {
  public:
   HeaderCheck(const SessionLog& log, fs::path file) : log_(log), file_(std::move(file)) {}
@@ -39,7 +39,7 @@ class HeaderCheck {
   fs::path file_;
 };
 
-// Which tools a log's strokes were cut with.
+// The tools of a log's strokes.
 std::set<std::size_t> toolsOfStrokes(const SessionLog& log) {
   std::set<std::size_t> out;
   std::size_t in_hand = 0;
@@ -59,8 +59,8 @@ Expected<Tool> readStoredTool(const fs::path& file, const std::string& sha256) {
   return readTool(file);
 }
 
-// The tools of a run, read from its copies, and whether they are those of the log. In the place of a damaged one that
-// cut nothing stands another one, under its id.
+// Reads the tools of a run from its copies and compares them with the log. Replaces a damaged tool that cut nothing by
+// another one under its id.
 Expected<void> readToolsOfLog(const fs::path& run_folder, const RunManifest& manifest, const HeaderCheck& header,
                               Recording& out) {
   const SessionLog& log = out.log;
@@ -96,7 +96,7 @@ Expected<void> readToolsOfLog(const fs::path& run_folder, const RunManifest& man
 
 }  // namespace
 
-// ---- What a log was recorded with
+// ---- Recorded inputs
 
 Expected<Recording> loadRecording(const fs::path& run_folder, const RunManifest& manifest, const Progress& progress) {
   if (manifest.mode == kModeGeometry)
@@ -113,7 +113,7 @@ Expected<Recording> loadRecording(const fs::path& run_folder, const RunManifest&
   out.cases = std::move(beside);
   if (!report(progress, 0, "loading the case")) return fail({.code = Error::Code::kCancelled, .found = "cancelled"});
 
-  // The log, and whether it is of this run.
+  // Reads the log and checks that it belongs to this run.
   out.log_file = run_folder / kRunLog;
   KERF_TRY(log, readSessionLog(out.log_file));
   out.log = std::move(log);
@@ -124,7 +124,7 @@ Expected<Recording> loadRecording(const fs::path& run_folder, const RunManifest&
   KERF_CHECK(header.wants(neighbourKey(out.cases.size() + 1), ""));
   KERF_CHECK(readToolsOfLog(run_folder, manifest, header, out));
 
-  // What it was recorded with.
+  // Loads the recorded cases and tools.
   out.cases.insert(out.cases.begin(), case_folder);
   KERF_TRY(added, readBeginMaterials(run_folder, manifest));
   for (std::size_t n = 0; n < out.cases.size(); ++n) {

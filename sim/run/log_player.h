@@ -1,4 +1,4 @@
-// A session log that is played: its samples are ticked, each command is done and each check compared where it stands.
+// Plays a session log: ticks its samples, does each command and compares each check at its place.
 //
 // replay.h plays a log to its end; watched_run.h shows it to a person.
 #pragma once
@@ -25,30 +25,31 @@ struct Recording {
   RunManifest manifest;
   std::filesystem::path log_file;
   SessionLog log;
-  std::vector<std::filesystem::path> cases;  ///< the one that was cut, then those beside it
-  std::optional<BrickField> begin;           ///< what an earlier run had cut, from which it went on
+  std::vector<std::filesystem::path> cases;  ///< the case that was cut, then its neighbours
+  std::optional<BrickField> begin;           ///< cut of an earlier run that this one continued
   std::vector<Tool> tools;
-  std::set<std::size_t> damaged_tools;  ///< no stroke was cut with them: another one stands in the place of each
+  std::set<std::size_t> damaged_tools;  ///< never used for a stroke: a substitute takes the place of each
   LoadedObjects objects;                ///< of `cases`
-  Model model;                          ///< of the tools; restoreSettings() puts the log's numbers into it
+  Model model;                          ///< of the tools; restoreSettings() sets the log's numbers
 };
 
-/// Errors: kUnsupported for a run that was cut geometry-only; kBadValue for a log of another run; those of the readers;
-/// kCancelled.   @cost  seconds for a tooth, 15 for a mandible at 0.05 mm.
+/// Errors: kUnsupported for a geometry-only run; kBadValue for a log of another run; those of the readers; kCancelled.
+/// @cost  seconds for a tooth, 15 for a mandible at 0.05 mm.
 Expected<Recording> loadRecording(const std::filesystem::path& run_folder, const RunManifest& manifest,
                                   const Progress& progress);
 
-/// At the end of the log the state is that of the run, or the log lacks something: `out` says so.
-/// @param until_s  where the replay was to stop; infinity: at the end of the log.
+/// Compares the state at the end of the log with the run's final state. Sets `out` accordingly, also if the log is
+/// incomplete.
+/// @param until_s  where the replay should stop; infinity: at the end of the log.
 void compareEnd(const SessionLog& log, const RunManifest& manifest, double until_s, Replay& out);
 
 /// One pass through a log. One thread.
 class LogPlayer {
  public:
-  /// From the beginning, or from a state that was kept.
+  /// From the beginning, or from a kept state.
   struct Start {
-    std::size_t event = 0;   ///< the first one to be handled
-    std::size_t sample = 0;  ///< the next one to be ticked
+    std::size_t event = 0;   ///< first event to handle
+    std::size_t sample = 0;  ///< next sample to tick
     std::optional<State> state{};
   };
   /// @param log, file  kept by reference.   @param place  of the tool, at the beginning.
@@ -61,16 +62,16 @@ class LogPlayer {
   Session& session() noexcept { return *session_; }
   const Session& session() const noexcept { return *session_; }
 
-  /// Does and compares what stands before the next sample. At the end: what stands behind the last one.
-  /// Errors: a command of another version, or one that can not be done: after a start from a state it may be an undo
-  /// that reaches back behind it.
+  /// Does and compares all events before the next sample; at the end, those after the last sample. Errors: a command of
+  /// another version, or an impossible one: after a start from a state, for example an undo that reaches back before
+  /// that state.
   Expected<void> handleEvents();
   /// handleEvents(), then the next sample.   @pre not at the end.
   Expected<void> tick(StepOutput& output);
-  /// Compares what was recorded right here, and does nothing: for who stops on the way.
+  /// Compares the checks recorded right here, without any event's effect: for a stop on the way.
   void compareChecks();
 
-  /// What was found so far, with hash and volumes of now: milliseconds.
+  /// Results so far, with the current hash and volumes. @cost milliseconds.
   Replay found() const;
 
  private:
@@ -91,7 +92,7 @@ class LogPlayer {
   Replay out_;
 };
 
-/// A snapshot made by another thread may stand later than the sample whose state it is.
+/// Whether a snapshot stands at its own tick: one made by another thread may come later in the log.
 bool standsAtItsTick(const SessionLog& log, std::size_t event);
 
 }  // namespace kerf::internal

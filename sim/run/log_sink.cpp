@@ -7,7 +7,7 @@ namespace kerf {
 void LogSink::flush() {
   if (!batch_.empty()) writer_.addSamples(first_, batch_);
   batch_.clear();
-  // close() tells of a full disk: the writer keeps its first error.
+  // close() reports a full disk: the writer keeps its first error.
   static_cast<void>(writer_.write());
 }
 
@@ -35,7 +35,7 @@ void LogSink::check(const StateCheck& check, std::uint64_t tick) noexcept {
 
 void LogSink::snapshot(std::span<const std::byte> state, std::uint64_t tick) noexcept {
   flush();
-  // A state too large for a snapshot is left out: the log is complete without it.
+  // Omits a state too large for a snapshot: the log is complete without it.
   if (const auto packed = packSnapshot(state)) writer_.add(tick, *packed);
 }
 

@@ -10,8 +10,8 @@
 
 namespace kerf {
 
-/// Collects samples and hands them on, in the order of everything else. Allocates and writes: not for a thread that
-/// runs in real time; SessionRecorder is.
+/// Collects samples and forwards them in order with all other events. Allocates and writes: not for a real-time thread,
+/// which needs SessionRecorder.
 class LogSink final : public SessionSink {
  public:
   /// @param writer  kept by reference.
@@ -21,9 +21,9 @@ class LogSink final : public SessionSink {
   void command(const Command& command, std::uint64_t tick) noexcept override;
   void mark(StrokeMark mark, std::uint64_t tick) noexcept override;
   void check(const StateCheck& check, std::uint64_t tick) noexcept override;
-  /// One larger than kMaxSnapshotBytes is left out: a replay starts from an earlier one then.
+  /// Omits a snapshot larger than kMaxSnapshotBytes: a replay then starts from an earlier one.
   void snapshot(std::span<const std::byte> state, std::uint64_t tick) noexcept override;
-  /// Writes what waits and the clean end. The first error of all.
+  /// Writes pending samples and the clean end. Returns the first error.
   Expected<void> close();
 
  private:
@@ -31,7 +31,7 @@ class LogSink final : public SessionSink {
   void flush();
 
   SessionLogWriter& writer_;
-  std::vector<DeviceSample> batch_;  // consecutive, not handed on yet
+  std::vector<DeviceSample> batch_;  // consecutive, not forwarded yet
   std::uint64_t first_ = 0, last_ = 0;
 };
 

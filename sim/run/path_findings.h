@@ -1,4 +1,4 @@
-// What a cut along a path shows that its author hardly meant.
+// Likely mistakes of a path, found during its cut.
 #pragma once
 
 #include <cstddef>
@@ -9,9 +9,9 @@
 
 namespace kerf {
 
-/// A stroke is what a path cuts without a break, counted from 1.
+/// A stroke is an uninterrupted cut of a path; strokes count from 1.
 struct PathFindings {
-  std::size_t strokes = 0;  ///< that were begun
+  std::size_t strokes = 0;  ///< number of strokes begun
   /// Strokes that took less than a tenth of a voxel off every node. Exception: a geometry cut that no node counts is
   /// judged between the nodes (sim/run/thin_cut.h), each stroke by itself.
   std::vector<std::size_t> idle;

@@ -1,4 +1,4 @@
-// Told of every motion of a path through an object in one piece: what its author hardly meant.
+// Watches every motion of a path through an object in one piece for likely mistakes.
 #pragma once
 
 #include "sim/run/path_findings.h"

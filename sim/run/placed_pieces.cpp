@@ -33,14 +33,14 @@ tl::unexpected<Error> hangTogether(const RunManifest::Piece& a, const RunManifes
                .hint = "cut through between them once more, or put both back"});
 }
 
-// Both where they were loaded, or moved alike, as two parts of what was one piece: what they share is torn nowhere.
+// Whether both are where they were loaded, or moved alike: parts of one former piece, whose joint does not tear.
 bool standTogether(const RunManifest::Piece& a, const RunManifest::Piece& b) {
   if (!a.isMoved() && !b.isMoved()) return true;
   const Rigid3 &one = a.T_case_piece, &other = b.T_case_piece;
   return one.translation == other.translation && one.rotation.coeffs() == other.rotation.coeffs();
 }
 
-// ---- Solids that hold no piece's inner point: those of a piece touch each other, or are too small for a voxel
+// ---- Solids without a piece's inner point: they touch others of their piece, or are too small for a voxel
 
 using Cell = std::uint64_t;
 using SolidPair = std::pair<std::uint32_t, std::uint32_t>;
@@ -50,7 +50,7 @@ Cell cellOf(const Vec3d& p, double side) {
                   static_cast<int>(std::floor(p[2] / side)));
 }
 
-// Vertices of the solids, one of each solid in a cell: no more than that many are within reach of one another.
+// Vertices of the solids, one of each solid in a cell: bounds the number within reach of one another.
 std::vector<std::uint32_t> thinned(const Mesh& mesh, const std::vector<std::uint32_t>& solid_of, double side) {
   std::vector<std::uint32_t> out;
   std::set<std::pair<Cell, std::uint32_t>> taken;
@@ -59,7 +59,7 @@ std::vector<std::uint32_t> thinned(const Mesh& mesh, const std::vector<std::uint
   return out;
 }
 
-// Least distances between vertices of different solids, mm, of those nearer than `reach`, to a quarter of that.
+// Least distances between vertices of different solids, mm, of those nearer than `reach`, accurate to a quarter of it.
 std::map<SolidPair, double> nearPairs(const Mesh& mesh, const std::vector<std::uint32_t>& solid_of, double reach) {
   const std::vector<std::uint32_t> vertices = thinned(mesh, solid_of, 0.25 * reach);
   std::unordered_map<Cell, std::vector<std::uint32_t>> cells;
@@ -84,7 +84,7 @@ std::map<SolidPair, double> nearPairs(const Mesh& mesh, const std::vector<std::u
   return out;
 }
 
-// Joins what is nearest first, step by step outwards; never two that belong to different pieces.
+// Joins the nearest solids first, step by step outwards; never two that belong to different pieces.
 void claimByNearness(const Mesh& mesh, const Solids& solids, std::vector<std::uint32_t>& owner) {
   constexpr double kBegin = 0.05, kMost = 1000;  // mm
   std::vector<std::uint32_t> solid_of(mesh.vertices.size(), kNobody);
@@ -111,7 +111,7 @@ void claimByNearness(const Mesh& mesh, const Solids& solids, std::vector<std::ui
   }
 }
 
-// Of each solid, the number of its piece.
+// The number of each solid's piece.
 Expected<std::vector<std::uint32_t>> ownersOf(const Mesh& mesh, const Solids& solids,
                                               std::span<const RunManifest::Piece> pieces, bool is_put_back) {
   std::vector<std::uint32_t> owner(solids.count, kNobody);
@@ -149,13 +149,13 @@ Expected<Mesh> moved(const Mesh& mesh, const RunManifest::Piece& piece) {
                .hint = "turn it by a tenth of a degree more, or put it back"});
 }
 
-// Its triangles become the piece's, under their names.
+// Adds its triangles to the piece, under their names.
 void setMesh(PlacedPiece& piece, NamedMesh named) {
   piece.mesh = std::move(named.mesh);
   piece.objects = std::move(named.objects);
 }
 
-// Names of which none is there twice: the second "tooth" is "tooth 2".
+// Makes names unique: the second "tooth" is "tooth 2".
 class UnusedNames {
  public:
   std::string take(const std::string& name, std::string_view between = " ") {
@@ -231,7 +231,7 @@ std::vector<PlacedPiece> solidPieces(const Mesh& mesh, const ObjectNames& names)
 std::vector<std::filesystem::path> filesOfPieces(const std::filesystem::path& file,
                                                  std::span<const PlacedPiece> pieces) {
   constexpr std::size_t kMostBytes = 60;
-  // Not the marks of U+2000 to U+206F, which turn the direction of text or have no width.
+  // Excludes the marks of U+2000 to U+206F, which turn the direction of text or have no width.
   const auto isLetter = [](std::string_view letter) {
     const auto byte = [&](std::size_t n) { return static_cast<unsigned char>(letter[n]); };
     if (letter.size() > 1) return byte(0) != 0xe2 || byte(1) > 0x81;
@@ -263,7 +263,7 @@ Expected<void> requireNoSource(const std::filesystem::path& file, const CaseMani
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(file, ignored)) return {};
   const auto hash = sha256OfFile(file);
-  if (!hash) return {};  // what cannot be read is no scan that was read
+  if (!hash) return {};  // an unreadable file is not the source
   for (const CaseSource& source : manifest.sources)
     if (source.sha256 == *hash)
       return fail(

@@ -20,7 +20,7 @@ class CountedCut {
     inside_.fill(phi0.interior());
   }
 
-  // The bricks that differ, and those beside them: nodes there may have another neighbour.
+  // The differing bricks and their neighbours: nodes there may have another neighbour.
   PartsByNumber removed() {
     std::vector<Vec3i> bricks;
     for (std::size_t b = 0; b < cut_.brickCount(); ++b) {
@@ -66,7 +66,7 @@ class CountedCut {
     addVolumes(is, numbers, phi0_.background(), after);
   }
 
-  // Of numbers_, as they were read last.
+  // The materials last read into numbers_.
   MaterialNeighborhood neighborhood() const {
     MaterialNeighborhood out{numbers_[0].data(), {}, false};
     for (std::size_t face = 0; face < 6; ++face) out.face[face] = numbers_[1 + face].data();

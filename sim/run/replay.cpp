@@ -24,7 +24,7 @@ Expected<Replay> playUntil(LogPlayer& player, const SessionLog& log, double unti
     KERF_CHECK(player.tick(tick));
   }
 
-  // Stopped on the way: what was recorded right there can still be compared.
+  // Stopped on the way: the checks recorded right there can still be compared.
   if (player.isAtEnd())
     KERF_CHECK(player.handleEvents());
   else
@@ -46,7 +46,7 @@ Expected<Replay> replay(const SessionLog& log, const std::string& file, Model mo
   Rigid3 place;
   KERF_CHECK(restoreSettings(log, file, model, place));
 
-  // From the last usable snapshot not after `from_s`, else from the beginning.
+  // Starts at the last usable snapshot not after `from_s`, else at the beginning.
   for (std::size_t n = log.events.size(); n-- > 0;) {
     const auto* snapshot = std::get_if<SessionSnapshot>(&log.events[n].what);
     if (!snapshot || !internal::standsAtItsTick(log, n) ||
@@ -65,7 +65,7 @@ Expected<Replay> replay(const SessionLog& log, const std::string& file, Model mo
 
     LogPlayer player(log, file, model, place, objects, {n + 1, log.events[n].samples_before, std::move(state)});
     auto out = playUntil(player, log, until_s, progress, at_end);
-    // An undo may want what only an earlier state knows.
+    // An undo may need data that only an earlier state has.
     if (out || out.error().code == Error::Code::kCancelled) return out;
   }
   LogPlayer player(log, file, model, place, objects, {});
@@ -76,7 +76,7 @@ Expected<Replay> internal::replayRun(const fs::path& run_folder, const RunManife
                                      const AtEnd& at_end, double until_s, double from_s) {
   KERF_TRY(recording, loadRecording(run_folder, manifest, progress));
 
-  // What comes after a gap was never so: it is not finished from there.
+  // The state after a gap never existed: do not continue from there.
   if (manifest.is_open)
     for (const SessionEvent& event : recording.log.events)
       if (std::holds_alternative<SessionGap>(event.what))

@@ -24,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 using internal::Recording;
 
-// So many of a log's records stand before a moment.
+// Number of a log's records before a moment.
 struct LogMoment {
   std::size_t samples = 0, events = 0;
 };
@@ -38,16 +38,16 @@ std::optional<C> commandIn(const SessionEvent& event) {
   return wanted ? std::optional(*wanted) : std::nullopt;
 }
 
-// ---- Where it is
+// ---- The moment
 
 LogMoment endOf(const SessionLog& log) { return {log.samples.size(), log.events.size()}; }
 
-// What a session began with stands before the first sample: the pieces of the run it goes on from, what it adds.
+// Events before the first sample set up the session: the pieces of the continued run, the added material.
 bool isOfBeginning(const SessionEvent& event) {
   return event.samples_before == 0 && std::holds_alternative<SessionCommand>(event.what);
 }
 
-// What stands right behind the last sample is not done yet.
+// Events right after the last sample are not done yet.
 LogMoment behindSample(const SessionLog& log, std::size_t sample) {
   if (sample >= log.samples.size()) return endOf(log);
   const auto isBehind = [&](const SessionEvent& event) {
@@ -57,14 +57,14 @@ LogMoment behindSample(const SessionLog& log, std::size_t sample) {
   return {sample, static_cast<std::size_t>(end - log.events.begin())};
 }
 
-// A step is a stroke or a move: SessionHistory says when it began by the tick that the log has, too.
+// A step is a stroke or a move. SessionHistory names its beginning by the same tick as the log.
 bool beginsStep(const SessionEvent& event) {
   const auto* const mark = std::get_if<StrokeMark>(&event.what);
   return mark ? *mark == StrokeMark::kBegin : commandIn<MoveObject>(event).has_value();
 }
 
-// What is undone first after a step began is that step, or what was cut on top of it and dropped since: the last step
-// of a line is the first to go.
+// The first undo after a step's beginning undoes that step, or one cut on top of it and dropped since: the last step of
+// a line goes first.
 Expected<LogMoment> beforeUndoOf(const SessionLog& log, std::uint64_t began, const std::string& file) {
   const auto isThere = [&](const SessionEvent& event) { return event.tick == began && beginsStep(event); };
   const auto step = std::find_if(log.events.begin(), log.events.end(), isThere);
@@ -87,7 +87,7 @@ Expected<LogMoment> momentOf(const SessionLog& log, const BranchPoint& point, co
 
 // ---- The log up to there
 
-// Objects are frozen for some ms while their pieces are made: nobody will come to release them.
+// Objects are frozen for some ms while their pieces are made. In a branch no code would release them.
 void releaseFrozen(SessionLog& log, std::uint64_t tick) {
   std::set<std::size_t> frozen;
   for (const SessionEvent& event : log.events) {
@@ -110,7 +110,7 @@ Expected<void> cutOff(SessionLog& log, const LogMoment& moment, const std::strin
                    .expected = "a log that is whole up to there",
                    .hint = "the run itself can be gone on from, at its end"});
   log.damage.reset();
-  log.is_closed = true;  // it will be
+  log.is_closed = true;  // writeLog() closes it
   releaseFrozen(log, log.samples.empty() ? 0 : log.samples.back().tick + 1);
   return {};
 }
@@ -122,7 +122,7 @@ bool isInStroke(const SessionLog& log) {
   return is_in;
 }
 
-// Of one after another without a gap as many at a time as there are.
+// Writes consecutive samples in batches as large as possible.
 void addSamples(SessionLogWriter& writer, std::span<const TimedSample> samples) {
   std::vector<DeviceSample> batch;
   for (std::size_t n = 0; n < samples.size(); ++n) {
@@ -134,7 +134,7 @@ void addSamples(SessionLogWriter& writer, std::span<const TimedSample> samples) 
   }
 }
 
-// Ended as Session::finish() ends one.
+// Ends the log like Session::finish().
 Expected<void> writeLog(const fs::path& file, const SessionLog& log, const Session& session) {
   KERF_TRY(writer, SessionLogWriter::create(file, log.header));
   const std::span<const TimedSample> samples(log.samples);
@@ -155,7 +155,7 @@ Expected<void> writeLog(const fs::path& file, const SessionLog& log, const Sessi
 
 // ---- The run
 
-// The run's own copies, or those of a cut along a path.
+// The files of the run, or the inputs of a cut along a path.
 std::vector<SessionTool> toolsOf(const fs::path& run_folder, const Recording& recording) {
   std::vector<SessionTool> out;
   for (std::size_t n = 0; n < recording.tools.size(); ++n) {
@@ -166,7 +166,7 @@ std::vector<SessionTool> toolsOf(const fs::path& run_folder, const Recording& re
   return out;
 }
 
-// What was cut off neighbours before the session began is in begin.vdb; run.toml only has the sum.
+// The volume removed from neighbours before the session is in begin.vdb; run.toml only has the sum.
 Expected<std::vector<SessionNeighbour>> neighboursOf(const fs::path& run_folder, const Recording& recording) {
   std::vector<SessionNeighbour> out;
   for (std::size_t n = 1; n < recording.cases.size(); ++n) {
@@ -186,8 +186,7 @@ Expected<std::vector<SessionNeighbour>> neighboursOf(const fs::path& run_folder,
   return out;
 }
 
-// Into a folder that exists. The manifest is written last, and is of a session that has ended: a folder that is left
-// half written is no run.
+// Writes into an existing folder. The manifest of an ended session comes last: a half-written folder is no run.
 Expected<RunManifest> writeBranch(const fs::path& run_folder, const Recording& recording, const SessionLog& log,
                                   const Session& session, const fs::path& folder) {
   KERF_TRY(in_case, readCaseManifest(recording.cases.front()));
@@ -252,11 +251,11 @@ Expected<RunManifest> branchRun(const fs::path& run_folder, const BranchPoint& p
   return written;
 }
 
-// Every stroke of the log counts as a step, also one in air that the session made none of. So there are never fewer
-// steps here than the session had, and what was dropped there is among what is dropped here.
+// Counts every stroke of the log as a step, also one in air that the session did not count. So there are never fewer
+// steps than in the session, and its dropped steps are among those found here.
 std::vector<std::uint64_t> droppedSteps(const SessionLog& log) {
   std::vector<std::uint64_t> out, line;
-  std::size_t done = 0;  // of the line; those behind can be done again
+  std::size_t done = 0;  // in the line; later ones can be redone
   const auto drop = [&] {
     if (done < line.size()) out.push_back(line.back());
     line.resize(done);

@@ -1,7 +1,7 @@
-// A run that is cut off at a moment and kept as a run of its own: where another way of cutting branches off.
+// Cuts off a run at a moment and keeps the result as a run of its own: the start of another way of cutting.
 //
-// A log only grows: what was taken back is still in it, with all that was cut before. So whatever state a session had
-// can be had again. Where it is, is a moment of the log; what it was, a replay up to there tells.
+// A log only grows: it still holds undone steps and all earlier cuts. So every state of a session can be restored: a
+// replay up to the moment of the log reproduces it.
 #pragma once
 
 #include <cstddef>
@@ -17,30 +17,30 @@
 
 namespace kerf {
 
-/// Which moment of a session. One of the two.
+/// A moment of a session. Set one of the two.
 struct BranchPoint {
-  /// So many samples are ticked, as WatchedRun shows it.
+  /// Number of ticked samples, as in WatchedRun.
   std::optional<std::size_t> sample{};
-  /// UndoStep::origin.tick of a step: with all that was done then, before that step was taken back for the first time.
-  /// One that never was: at the end.
+  /// UndoStep::origin.tick of a step. Its branch has all cuts just before that step was undone for the first time. A
+  /// step that was never undone: the end.
   std::optional<std::uint64_t> step_began{};
 };
 
-/// Writes a run of mode session that holds what was cut up to a moment: its log is that of the run, up to there. It
-/// replays, exports and is gone on from as any other. The run itself is not changed.
-/// A run that goes on from another one holds what was cut in that from its first moment on.
-/// @param run_folder  cut against resistance, by a person or along a path; a session may be open, if nobody works on
-/// it.
+/// Writes a run of mode session with the cuts up to a moment. Its log is the log of the run up to there. It replays,
+/// exports and continues like any other. The run itself is not changed. If the run continues another one, the branch
+/// has the cuts of that run from its first moment on.
+/// @param run_folder  cut against resistance, by a person or along a path; an open session is allowed, if no program
+///   works on it.
 /// @param branch_folder  must not exist. It appears whole or not at all.
 /// Errors: kEmpty when nothing is cut at that moment, in a run that began with its case; kNotFound for a step that is
-/// not in the log; kUnsupported when the log lacks samples before that moment, or its replay differs from what was
-/// recorded; those of replayRun(); kCancelled.
-/// @cost  as a replay up to that moment: about a quarter of what the session took.
+/// not in the log; kUnsupported when the log lacks samples before that moment, or its replay differs from the
+/// recording; those of replayRun(); kCancelled.
+/// @cost  as a replay up to that moment: about a quarter of the session's time.
 Expected<RunManifest> branchRun(const std::filesystem::path& run_folder, const BranchPoint& point,
                                 const std::filesystem::path& branch_folder, const Progress& progress = {});
 
-/// The ends of lines that were taken back in a session, as BranchPoint::step_began, the first one dropped first: before
-/// others were cut in their place, or at last. A stroke in air may be among them.
+/// The ends of undone lines of steps in a session, as BranchPoint::step_began, in the order in which they were dropped:
+/// other cuts replaced them, or the session ended. A stroke in air may be among them.
 std::vector<std::uint64_t> droppedSteps(const SessionLog& log);
 /// The same of a run. Errors: those of reading its log.
 Expected<std::vector<std::uint64_t>> droppedSteps(const std::filesystem::path& run_folder);

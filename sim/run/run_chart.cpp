@@ -21,16 +21,16 @@ constexpr const char* kFaint = "#5b6673";
 constexpr const char* kGrid = "#cdd4dc";
 constexpr const char* kStroke = "#eef1f4";
 
-// Of Okabe and Ito, "Color Universal Design" (2008); the pale ones do not show on white.
+// From Okabe and Ito, "Color Universal Design" (2008), without the pale ones, which do not show on white.
 constexpr const char *kBlue = "#0072b2", *kVermilion = "#d55e00", *kGreen = "#009e73", *kPurple = "#a8518a",
                      *kBlack = "#30343a";
 
-// ---- What the panels show
+// ---- Contents of the panels
 
 enum class Marked { kNothing, kLargest, kLeast };
 
 struct Line {
-  std::string name;  // empty: the panel's title says it
+  std::string name;  // empty: as the panel's title
   std::vector<float> values;
   const char* color;
   const char* dashes;  // "": solid
@@ -41,7 +41,7 @@ struct Panel {
   std::string title, unit;
   std::vector<Line> lines;
   bool has_zero = true;         // the axis reaches 0
-  std::optional<double> limit;  // a level worth knowing
+  std::optional<double> limit;  // a significant level
   std::string limit_text;
 };
 
@@ -64,7 +64,7 @@ Panel forcePanel(const RunSeries& s) {
 }
 
 Panel speedPanel(const RunSeries& s) {
-  // At the edge to people a drive turns so many times a minute.
+  // Users know drive speed in turns per minute.
   std::vector<float> values = s.speed;
   constexpr auto kRpm = static_cast<float>(60 / (2 * std::numbers::pi));
   if (!s.has_reciprocating_tool)
@@ -79,7 +79,7 @@ Panel temperaturePanel(const RunSeries& s) {
   Panel out{"temperature under the tool", "\u00b0C", {}, false, {}, {}};
   out.lines.push_back({"", s.temperature_C, kVermilion, "", Marked::kLargest});
   constexpr float kBoneLimit = 47, kNearLimit = 42;
-  // The pulp of a tooth has a limit of its own, of its own temperature.
+  // The pulp of a tooth has a temperature and a limit of its own.
   const auto has = [&](const char* id) {
     return std::any_of(s.distances.begin(), s.distances.end(), [&](const auto& d) { return d.id == id; });
   };
@@ -159,7 +159,7 @@ std::string numberText(double value, double step) {
   const int decimals = std::clamp(static_cast<int>(std::ceil(-std::log10(step) - 1e-9)), 0, 6);
   if (std::abs(value) < 1e-9 * step) value = 0;
   std::string text = fmt::format("{:.{}f}", value, decimals);
-  // 400000 is read as 400 000.
+  // Writes 400000 as 400 000.
   const std::size_t point = std::min(text.find('.'), text.size()), first = text[0] == '-' ? 1 : 0;
   if (point - first > 4)
     for (std::size_t at = point; at > first + 3; at -= 3) text.insert(at - 3, "\u2009");
@@ -271,7 +271,7 @@ class Chart {
     }
   }
 
-  // The least and the largest of each column of pixels, in the order in which they come.
+  // Draws the least and the largest value of each pixel column, in their order in time.
   template <class Y>
   void curve(const Line& curve, const Y& y) {
     const std::span<const float> values = shown(curve);
@@ -303,7 +303,7 @@ class Chart {
                          *curve.dashes ? fmt::format(" stroke-dasharray=\"{}\"", curve.dashes) : "");
   }
 
-  // Named above the panel, to the right, where no curve runs.
+  // Named above the panel, to the right, clear of curves.
   void limit(const Panel& panel, double level, double top) {
     const double right = kLeft + kPlotWidth;
     line(kLeft, level, right, level, kInk, 1, "5 4");

@@ -12,7 +12,7 @@
 
 namespace kerf {
 
-/// What a panel shows.
+/// Content of a panel.
 enum class ChartPanel { kForce, kLoad, kSpeed, kTemperature, kDistance, kRemoved };
 
 struct ChartPanelRow {
@@ -28,15 +28,15 @@ inline constexpr std::array<ChartPanelRow, 6> kChartPanels{{{"force", ChartPanel
                                                             {"removed", ChartPanel::kRemoved}}};
 
 struct ChartOptions {
-  std::vector<ChartPanel> panels;  ///< in any order; empty: all that the run has
+  std::vector<ChartPanel> panels;  ///< in any order; empty: all panels for which the run has data
   double from_s = 0, until_s = std::numeric_limits<double>::infinity();
   std::string title;
   std::string subtitle;
 };
 
-/// On white, in colours that are told apart by the colour-blind and by their lightness. A line shows, for each column
-/// of the picture, the least and the largest value of its ticks: no peak is lost between two of them. Largest values,
-/// or the least distance, are marked with number and time; strokes are bands.
+/// On white, in colours that colour-blind readers can tell apart, also by lightness. For each pixel column a line shows
+/// the least and the largest value of its ticks, so no peak is lost. Largest values, or the least distance, are marked
+/// with number and time; strokes are bands.
 /// Error kEmpty: no tick between from_s and until_s.   @cost  50 ms for ten minutes; at most 200 KB.
 Expected<std::string> drawChart(const RunSeries& series, const ChartOptions& options);
 

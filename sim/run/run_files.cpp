@@ -27,7 +27,7 @@ std::vector<fs::path>& placesOfCases() {
   return places;
 }
 
-// Among the places that were given. None: no place was given, or none holds a case beside the one that was cut.
+// Searches the given places. None: no place was given, or none holds the neighbour.
 Expected<std::optional<fs::path>> findGivenCase(const fs::path& run_folder, const std::string& id, bool is_main) {
   std::string found;
   for (const fs::path& place : placesOfCases()) {
@@ -44,7 +44,7 @@ Expected<std::optional<fs::path>> findGivenCase(const fs::path& run_folder, cons
                .hint = "the case as it was when the run was cut: one that was baked anew is another"});
 }
 
-// What is wrong with a grid of a run, by the file it is in.
+// Adds the file of a run's grid to an error.
 Expected<void> ofRun(Expected<void> checked, const fs::path& file) {
   if (checked) return checked;
   checked.error().file = file.string();
@@ -58,14 +58,14 @@ Expected<void> requireField(const fs::path& run_folder, const RunManifest& manif
                        has_log ? "it can be rebuilt from the log: kerf recover " + run_folder.string() : "cut again");
 }
 
-// A grid of a run, whose numbers can be distances.
+// Reads a grid of a run and checks that its numbers can be distances.
 Expected<BrickField> readGrid(const fs::path& file, const std::string& grid) {
   KERF_TRY(field, readVdb(file, grid));
   KERF_CHECK(ofRun(requireDistancesOfCut(field, grid), file));
   return std::move(field);
 }
 
-// Whether a run along a path says that it put material on its case.
+// Whether a run along a path reports added material.
 bool saysThatItAdded(const fs::path& run_folder, const RunManifest& manifest) {
   if (manifest.mode != kModeHaptic) return false;
   const auto text = readSmallFile(run_folder / internal::kRunSummary, internal::kMostSummaryBytes);
@@ -75,8 +75,7 @@ bool saysThatItAdded(const fs::path& run_folder, const RunManifest& manifest) {
   return added != summary.end() && added->is_number() && added->get<double>() > 0;
 }
 
-// Whether a run was told to add material, by its log: what was cut off such a run at a moment is a session without a
-// summary.
+// Whether a run's log has a command to add material: a branch of such a run is a session without a summary.
 bool addedByItsLog(const fs::path& run_folder, const RunManifest& manifest) {
   if (manifest.mode == kModeGeometry) return false;
   const auto log = readSessionLog(run_folder / internal::kRunLog);
@@ -118,7 +117,7 @@ Expected<fs::path> locateCase(const fs::path& run_folder, const RunManifest& m, 
   KERF_TRY(given, findGivenCase(run_folder, id, beside == 0));
   if (given) return *given;
 
-  // As named first, then with symbolic links resolved: a run may be reached through one.
+  // First the path as given, then with symbolic links resolved: a run may be reached through one.
   std::error_code ignored;
   fs::path wanted = (fs::absolute(run_folder, ignored) / path).lexically_normal();
   if (!isCase(wanted)) wanted = (fs::weakly_canonical(run_folder, ignored) / path).lexically_normal();

@@ -45,7 +45,7 @@ Expected<void> readBeside(TomlTable& top, const fs::path& path, RunManifest& m) 
   return {};
 }
 
-// What a run along a path was cut with.
+// Inputs of a run along a path.
 void readToolAndPath(TomlTable& top, RunManifest& m) {
   m.tool_id = top.get<std::string>("tool_id", "a tool");
   m.tool_sha256 = top.get<std::string>("tool_sha256", "64 hexadecimal digits");
@@ -83,7 +83,7 @@ Expected<void> readEarlier(TomlTable& top, const fs::path& path, RunManifest& m)
   return {};
 }
 
-// What a person's session left, and what it was cut with.
+// Results and tools of a person's session.
 Expected<void> readPieces(TomlTable& top, const fs::path& path, RunManifest& m) {
   const toml::array* tables = top.has("piece") ? top.tables("piece") : nullptr;
   if (!tables) return {};
@@ -149,7 +149,7 @@ bool isRun(const fs::path& folder) {
 
 namespace {
 
-// Why a path is no run, and what to do.
+// Error for a path that is no run, with a hint.
 Error noRun(const fs::path& folder) {
   std::error_code ignored;
   Error out{.code = Error::Code::kNotFound,

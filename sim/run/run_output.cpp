@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What TOML can hold.
+// Characters that TOML can hold.
 bool isText(const std::string& bytes) {
   std::size_t at = 0;
   while (const std::size_t length = utf8Length(bytes, at)) at += length;
@@ -42,7 +42,7 @@ Expected<std::string> storeBegin(const fs::path& from, const fs::path& run_folde
 }
 
 Expected<std::string> relativeCasePath(const fs::path& case_folder, const fs::path& run_folder) {
-  // Links are resolved: ".." goes by the real folders.
+  // Resolves links: ".." refers to the real folders.
   std::error_code ignored;
   const fs::path from = fs::weakly_canonical(fs::absolute(run_folder, ignored), ignored);
   const fs::path to = fs::weakly_canonical(fs::absolute(case_folder, ignored), ignored);
@@ -76,7 +76,7 @@ Expected<void> finishRun(const fs::path& staging, const Tool& tool, const fs::pa
   m.tool_id = tool.id;
   m.path_file = "path" + path_file.extension().string();
 
-  // Hashed before they are copied: a file that changes meanwhile makes a run that is refused, not one that lies.
+  // Hashes before copying: if a file changes meanwhile, readers reject the run instead of trusting a wrong hash.
   KERF_TRY(tool_hash, sha256OfFile(tool_file));
   KERF_TRY(path_hash, sha256OfFile(path_file));
   m.tool_sha256 = tool_hash;

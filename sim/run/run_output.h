@@ -1,4 +1,4 @@
-// What every kind of cut writes into its run folder: names of the files, copies of the inputs, the manifest.
+// Output of every kind of cut into its run folder: names of the files, copies of the inputs, the manifest.
 #pragma once
 
 #include <filesystem>
@@ -16,31 +16,30 @@ inline constexpr const char* kRunBegin = "begin.vdb";
 inline constexpr const char* kRunLog = "session.kerflog";
 inline constexpr const char* kRunForces = "forces.csv";
 inline constexpr const char* kRunSummary = "summary.json";
-inline constexpr std::size_t kMostSummaryBytes = 1 << 20;  // one has some kB
+inline constexpr std::size_t kMostSummaryBytes = 1 << 20;  // usual: some kB
 
-/// Key in the session log's header that names the id of the n-th case beside the one that was cut.
+/// Key in the session log's header for the id of the n-th neighbour.
 std::string neighbourKey(std::size_t beside);
 
-/// The case's folder as seen from the run, so that both can be moved together.
-/// Error: a name that no TOML file can hold.
+/// The case's folder as seen from the run, so that both can be moved together. Error: a name that TOML cannot hold.
 Expected<std::string> relativeCasePath(const std::filesystem::path& case_folder,
                                        const std::filesystem::path& run_folder);
 
 /// Counts the cutting motions of a path and adds up their length: `segments` and `path_length_mm` of the manifest.
 void addMotions(const CutPath& path, RunManifest& manifest);
 
-/// What was expected of a path that cut nothing: "a path through the box (...) to (...) mm".
+/// Text for a path that cut nothing: "a path through the box (...) to (...) mm".
 std::string throughBox(const Box3& box);
 
-/// Error kBadValue: the new run is to take the place of the one it goes on from.
+/// Error kBadValue: the new run would replace the run that it continues.
 Expected<void> requireAnother(const std::filesystem::path& from, const std::filesystem::path& run_folder);
 
-/// Copies the field of a run that has ended, from which another one goes on, into that one's folder. @return its hash.
-/// Errors: kWriteFailed; kBadValue when it is damaged.
+/// Copies the field of an ended run into the folder of the run that continues it. @return its hash. Errors:
+/// kWriteFailed; kBadValue for a damaged field.
 Expected<std::string> storeBegin(const std::filesystem::path& from, const std::filesystem::path& run_folder);
 
-/// Copies tool, its mesh and path into the staging folder, hashes run.vdb and summary.json, fills in what the manifest
-/// says of them, and writes it.
+/// Copies the tool, its mesh and the path into the staging folder, hashes run.vdb and summary.json, and writes the
+/// manifest with these values.
 Expected<void> finishRun(const std::filesystem::path& staging, const Tool& tool, const std::filesystem::path& tool_file,
                          const std::filesystem::path& path_file, RunManifest& manifest);
 

@@ -27,27 +27,27 @@ using nlohmann::json;
 
 // ---- summary.json
 
-// What a value of summary.json may be. The limits are far from any run: what is beyond was not written by kerf cut.
+// Valid range of a value in summary.json. The limits are far from any run: kerf cut wrote no values beyond them.
 struct Range {
   double least, most;
   const char* unit;
 };
 constexpr double kMostMm3 = 1e12;  // as in case.toml
 constexpr Range kVolume{0, kMostMm3, "mm^3"};
-constexpr Range kAdded{-kMostMm3, kMostMm3, "mm^3"};  // of a surface that was covered < 0: see HapticSummary
+constexpr Range kAdded{-kMostMm3, kMostMm3, "mm^3"};  // of a covered surface < 0: see HapticSummary
 constexpr Range kForce{0, 1e9, "N"};
 constexpr Range kTemperature{-273.15, 1e6, "C"};
 constexpr Range kLength{0, 1e6, "mm"};
-constexpr Range kDistance{-1e6, 1e6, "mm"};  // < 0: in it
+constexpr Range kDistance{-1e6, 1e6, "mm"};  // < 0: inside
 constexpr Range kCoordinate{-1e9, 1e9, "mm"};
 constexpr Range kTime{0, 1e9, "s"};
-constexpr Range kTimeOrNever{-1, 1e9, "s"};  // -1: never, as older versions wrote
+constexpr Range kTimeOrNever{-1, 1e9, "s"};  // -1: never, as in older versions
 constexpr Range kCount{0, 1e12, "parts"};
 
-// The removed volume of all tissues, or of one. Where material was added, a node's share of its cell goes over to that;
-// older versions also moved it where tissues meet. So of one tissue it may be a little less than nothing.
+// The removed volume of all tissues, or of one. Added material takes over a node's share of its cell; older versions
+// also moved it where tissues meet. So the value of one tissue may be slightly negative.
 Range removedRange(double removed_mm3) {
-  constexpr double kSubVoxel = 0.1, kOfAll = 0.1;  // mm^3; of all that was removed
+  constexpr double kSubVoxel = 0.1, kOfAll = 0.1;  // mm^3; fraction of the total
   return {-kSubVoxel - kOfAll * std::max(0.0, removed_mm3), kMostMm3, "mm^3"};
 }
 
@@ -60,7 +60,7 @@ Error damagedSummary(const fs::path& file, std::string place, std::string found,
           .hint = "cut again: a run is never edited"};
 }
 
-// Values by their keys; a key that an older version did not write has none. The first error is kept, finish() tells it.
+// Values by their keys; a key that an older version did not write has none. Keeps the first error for finish().
 class Summary {
  public:
   Summary(const json& j, const fs::path& file) : j_(j), file_(file) {}
@@ -120,7 +120,7 @@ class Summary {
   }
 
  private:
-  // Null: it is not there, or has no value.
+  // Null: missing, or without a value.
   const json* find(const char* key) const {
     const auto it = j_.find(key);
     return it == j_.end() || it->is_null() ? nullptr : &*it;
@@ -133,7 +133,7 @@ class Summary {
       return {};
     }
     const double number = value.get<double>();
-    if (number >= range.least && number <= range.most) return number;  // not a number is neither
+    if (number >= range.least && number <= range.most) return number;  // NaN fails both comparisons
     wrong(place, fmt::format("{:g}", number), expected);
     return {};
   }
@@ -147,7 +147,7 @@ class Summary {
   std::optional<Error> error_;
 };
 
-// A peak and its time, by the keys of both.
+// A peak and its time, by their keys.
 std::optional<RunReport::Peak> peakIn(Summary& s, const char* key, const Range& range, const char* at) {
   const auto value = s.number(key, range);
   if (!value) return {};
@@ -164,7 +164,7 @@ std::map<std::string, RunReport::Peak> distancesIn(Summary& s) {
   return out;
 }
 
-// A time that is negative stands for never.
+// A negative time means never.
 RunReport::FirstTime firstTime(double at_s) { return at_s < 0 ? RunReport::FirstTime{} : RunReport::FirstTime{at_s}; }
 
 Expected<void> takeSummary(const fs::path& file, RunReport& out) {
@@ -216,7 +216,7 @@ Expected<void> takeSummary(const fs::path& file, RunReport& out) {
   return s.finish();
 }
 
-// Whether it is the one that the run was written with.
+// Whether summary.json is unchanged since the run.
 Expected<void> compareSummary(const fs::path& file, RunReport& out) {
   if (out.manifest.summary_sha256.empty()) return {};
   KERF_TRY(hash, sha256OfFile(file));
@@ -224,9 +224,9 @@ Expected<void> compareSummary(const fs::path& file, RunReport& out) {
   return {};
 }
 
-// ---- What no file states
+// ---- Values that no file states
 
-// Where the tool was meant to cut without a break.
+// Stretches in which the tool was meant to cut without a break.
 std::optional<std::size_t> strokesOfPath(const fs::path& file) {
   const auto path = readPath(file);
   if (!path) return {};
@@ -239,7 +239,7 @@ void missVolumes(const Error& error, RunReport& out) {
   out.missing.push_back("removed volume by tissue: " + error.message());
 }
 
-// As the nodes of run and case count.
+// Counts volumes from the nodes of run and case.
 Expected<void> countVolumes(const fs::path& run_folder, RunReport& out) {
   KERF_TRY(case_folder, caseOfRun(run_folder));
   KERF_TRY(in_case, readCaseManifest(case_folder));
@@ -274,7 +274,7 @@ Expected<void> countVolumes(const fs::path& run_folder, RunReport& out) {
   return {};
 }
 
-// What the case was loaded with, unless the summary says so.
+// Loaded volumes of the case, unless the summary has them.
 void takeLoaded(const fs::path& run_folder, RunReport& out) {
   if (!out.loaded_by_material.empty()) return;
   const auto folder = caseOfRun(run_folder);
@@ -291,7 +291,7 @@ void takeLoaded(const fs::path& run_folder, RunReport& out) {
   if (!out.loaded_mm3) out.loaded_mm3 = sum;
 }
 
-// Without resistance a tool goes where its path says.
+// Without resistance a tool follows its path exactly.
 void takePlanOfGeometry(RunReport& out) {
   out.planned_mm3 = out.removed_mm3;
   out.reached_mm3 = out.removed_mm3;
@@ -312,7 +312,7 @@ void takePath(const fs::path& run_folder, RunReport& out) {
   if (!out.strokes) out.missing.push_back("strokes: the copy of the path in the run can not be read");
 }
 
-// When a peak was: the summary of an older version knows its size alone.
+// Whether a peak lacks its time: the summary of an older version has sizes only.
 bool lacksTimes(const RunReport& r) {
   const auto lacks = [](const std::optional<RunReport::Peak>& peak) { return peak && !peak->at_s; };
   return lacks(r.contact_force) || lacks(r.hottest) ||
@@ -354,7 +354,7 @@ Expected<void> takeSeries(const fs::path& run_folder, bool replays, const Progre
 
 }  // namespace
 
-// Within strokes, from a second after their beginning on: until then a drive may still come up.
+// Considers strokes from one second after their beginning: until then a drive may still come up.
 static double secondsStalled(const RunSeries& series) {
   constexpr double kComesUp = 1, kStill = 0.02;  // s; of the highest speed
   const float most = *std::max_element(series.speed.begin(), series.speed.end());
@@ -378,7 +378,7 @@ std::optional<RunReport::Peak> reportedPeak(const CutPeaks::Peak& peak) {
 
 }  // namespace
 
-// A peak that was taken back counts if there is no other, or it is worse.
+// An undone peak counts if there is no other, or it is worse.
 void internal::addPeaks(const SessionPeaks& peaks, RunReport& out) {
   const CutPeaks &now = peaks.standing, &back = peaks.taken_back;
   const auto isMore = [](const CutPeaks::Peak& a, const CutPeaks::Peak& b) {
@@ -439,7 +439,7 @@ void internal::addPeaks(const RunSeries& series, RunReport& out) {
     const auto n = static_cast<std::size_t>(at - values.begin());
     return RunReport::Peak{values[n], series.t_s[n]};
   };
-  // A size that is known to more digits stays.
+  // Keeps a size that is known to more digits.
   const auto take = [](std::optional<RunReport::Peak>& known, const RunReport::Peak& found) {
     if (known)
       known->at_s = found.at_s;

@@ -40,14 +40,14 @@ std::vector<std::string_view> fieldsOf(std::string_view line) {
 std::optional<double> numberIn(std::string_view text) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  constexpr double kMost = 1e9;  // of no column of a run more: rows are kept as float, and drawn
+  constexpr double kMost = 1e9;  // above all values of a run: rows are kept as float, and drawn
   if (error != std::errc() || end != text.data() + text.size() || !(std::abs(value) <= kMost)) return {};
   return value;
 }
 
-constexpr double kMostSeconds = 1e6;  // eleven days; a cut takes one at most
+constexpr double kMostSeconds = 1e6;  // eleven days; a cut takes at most one
 
-// Where the columns of a table stand that the series needs.
+// Indices of the columns that the series needs.
 struct Columns {
   std::size_t count = 0;
   std::size_t t = 0, speed = 0, load = 0, temperature = 0, removed = 0;
@@ -93,7 +93,7 @@ class ForcesFile {
                  .hint = "cut again: a run is never edited"});
   }
 
-  // A column by its name, or by the first of its names: units were added to some of them.
+  // Finds a column by its name, or by the first of its names: units were added to some of them.
   Expected<std::size_t> find(const std::vector<std::string_view>& names, std::string_view name) const {
     for (std::size_t n = 0; n < names.size(); ++n)
       if (names[n] == name || (names[n].starts_with(name) && names[n].substr(name.size()).starts_with("_"))) return n;
@@ -123,7 +123,7 @@ class ForcesFile {
     c.contact = {contact, contact + 1, contact + 2};
     c.hand = {hand, hand + 1, hand + 2};
 
-    // Behind those that every run has: ID_mm of structures, then ID_removed_mm3 of neighbours.
+    // Optional columns at the end: ID_mm of structures, then ID_removed_mm3 of neighbours.
     for (std::size_t n = vibration + 1; n < c.count; ++n) {
       if (!names[n].ends_with("_mm")) continue;
       c.distances.push_back(n);
@@ -165,7 +165,7 @@ class ForcesFile {
   std::size_t line_number_ = 0;
 };
 
-// What is farther than could be measured stands in the file as that reach.
+// The file writes the reach in place of distances beyond it.
 void markFar(const RunManifest& manifest, RunSeries::Distance& distance) {
   double voxel = manifest.voxel_mm;
   for (std::size_t n = 1; n <= manifest.beside.size(); ++n)
@@ -178,7 +178,7 @@ void markFar(const RunManifest& manifest, RunSeries::Distance& distance) {
 
 // ---- From a log
 
-// What a replay measures beside the step: distances of the tool in hand, and its heat.
+// Measurements of a replay beside the step: distances of the tool in hand, and its heat.
 class SessionMonitor {
  public:
   static Expected<SessionMonitor> make(const internal::Recording& recording, const Model& model) {
@@ -238,7 +238,7 @@ class SessionMonitor {
         samples_(model.tools.size()),
         heat_(std::make_unique<LiveHeat>(model.tools)) {}
 
-  // Made when a tool is first in hand: tens of ms each, and a session has a rack of them.
+  // Made when a tool is first in hand: tens of ms each, and a rack has many tools.
   const ToolSamples& samplesOf(std::size_t tool) {
     ToolSamples& samples = samples_[tool];
     if (!samples.isEmpty()) return samples;
@@ -256,7 +256,7 @@ class SessionMonitor {
   StrokePeaks peaks_;
 };
 
-// Off the case that is worked on, its pieces together, since the run began.
+// Volume removed from the case since the run began, all its pieces together.
 double removedOffCase(const Session& session) {
   double out = 0;
   for (const CutObject& object : session.state().objects)

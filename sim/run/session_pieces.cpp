@@ -14,7 +14,7 @@
 namespace kerf::internal {
 namespace {
 
-// At the node that is nearest.
+// Tests the nearest node.
 bool isInside(const CutObject& object, const Vec3d& point) {
   const Vec3d nodes = point / object.voxel();
   const Vec3i node(static_cast<int>(std::lround(nodes[0])), static_cast<int>(std::lround(nodes[1])),
@@ -32,7 +32,7 @@ bool isSamePose(const Rigid3& a, const Rigid3& b) {
   return a.translation == b.translation && a.rotation.coeffs() == b.rotation.coeffs();
 }
 
-// At the node that is nearest.
+// Tests the nearest node.
 bool isInside(const FieldPart& part, const Vec3d& point) {
   const Vec3i node = (point / part.begin->voxel()).array().round().cast<int>();
   const BrickValues* const changed = part.changed ? part.changed->valuesAt(brickOf(node)) : nullptr;
@@ -41,7 +41,7 @@ bool isInside(const FieldPart& part, const Vec3d& point) {
   return value < 0;
 }
 
-// "piece N", from this N on the first that is not taken.
+// The first free "piece N", from this N on.
 std::string unusedName(std::size_t n, std::set<std::string>& taken) {
   while (true) {
     std::string name = fmt::format("piece {}", n++);
@@ -49,7 +49,7 @@ std::string unusedName(std::size_t n, std::set<std::string>& taken) {
   }
 }
 
-// Of what is inside.
+// Box of the inside nodes.
 Box3 boxOf(const BrickField& field) {
   Box3 out;
   for (std::size_t b = 0; b < field.brickCount(); ++b) {
@@ -156,7 +156,7 @@ PiecesPutBack putPiecesBack(Session& session, std::span<const RunManifest::Piece
     apply(MoveObject{static_cast<std::size_t>(at - objects.begin()), {t[0], t[1], t[2]}, {q.w(), q.x(), q.y(), q.z()}});
   }
 
-  // Of a run that named what a path had cut in two as one piece.
+  // The run may have named two parts separated by its path as one piece.
   const bool is_any_moved =
       std::any_of(before.begin(), before.end(), [](const auto& piece) { return piece.isMoved(); });
   if (!is_any_moved) return out;
@@ -171,7 +171,7 @@ PiecesPutBack putPiecesBack(Session& session, std::span<const RunManifest::Piece
 
 Expected<PiecesLeft> piecesLeft(const CutScene& scene, const BrickField& changed,
                                 std::span<const RunManifest::Piece> pieces, std::span<const FieldPart> parts) {
-  // As the next run will find it.
+  // Splits the case as the next run will.
   LoadedObjects loaded = scene.objects;
   KERF_TRY(object, loadObject(scene.inputs.folders.front(), &changed));
   loaded.front() = std::move(object);
@@ -180,7 +180,7 @@ Expected<PiecesLeft> piecesLeft(const CutScene& scene, const BrickField& changed
   Objects objects = objectsOf(session, 0);
   std::vector<BrickField> fields = fieldsOf(objects);
 
-  // Which piece is each of them of?
+  // The original piece of each part.
   std::vector<std::size_t> piece_of;
   std::vector<std::size_t> parts_of(pieces.size(), 0);
   PieceLabels labels;
@@ -220,7 +220,7 @@ Expected<PiecesLeft> piecesLeft(const CutScene& scene, const BrickField& changed
   }
   out.pieces = piecesOf(objects, fields, labels);
 
-  // The log of the run knows each piece by its number. What came off has one of its own.
+  // The run's log knows each piece by its number. A new piece gets one of its own.
   std::uint32_t next_id = 0;
   for (const RunManifest::Piece& piece : pieces) next_id = std::max(next_id, piece.id + 1);
   std::set<std::size_t> has_kept;

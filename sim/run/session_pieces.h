@@ -1,4 +1,4 @@
-// The objects of a session as what they are of: a case in one piece or in several, each where it is.
+// The objects of a session by case: each in one piece or several, with their poses.
 #pragma once
 
 #include <span>
@@ -14,20 +14,20 @@
 
 namespace kerf::internal {
 
-/// What the session has of one case: the object, or its pieces, the largest first.
+/// Objects of one case: the object, or its pieces, the largest first.
 using Objects = std::vector<const CutObject*>;
 /// @param loaded  index into Session::loaded().
 Objects objectsOf(const Session& session, std::size_t loaded);
-/// Several, or one that came off.
+/// True for several objects, or for one that is a piece.
 bool isInPieces(const Objects& objects);
-/// All that each of them has.
+/// The complete field of each.
 std::vector<BrickField> fieldsOf(const Objects& objects);
-/// For a manifest. One without a name is "piece N", by a number that no other has.
+/// For a manifest. An unnamed piece is "piece N", with an unused number.
 /// @param fields  of the objects, in their order.
 std::vector<RunManifest::Piece> piecesOf(const Objects& objects, const std::vector<BrickField>& fields,
                                          const PieceLabels& labels);
 
-/// What of the case can be cut by a path, each where it is: the case itself, or its pieces.
+/// Objects of the case for a cut along a path, each at its place: the case itself, or its pieces.
 struct Bodies {
   struct Body {
     const BrickField* begin = nullptr;
@@ -35,36 +35,36 @@ struct Bodies {
   };
   std::vector<Body> all;
   std::vector<BrickField>
-      fields;  ///< of pieces, in the order of all; none: the case is one object, where it was loaded
+      fields;  ///< of pieces, in the order of `all`; empty: the case is one object, where it was loaded
   bool isInPieces() const { return !fields.empty(); }
 };
-/// As they are now. Refers to the session, which stays.
+/// In the current state. Refers to the session, which must outlive it.
 Bodies bodiesOf(const Session& session);
-/// What was expected of a path that cut nothing of them: throughBox(), or the boxes of the pieces where they are.
+/// Text for a path that cut none of them: throughBox(), or the boxes of the pieces at their places.
 std::string throughBodies(const Bodies& bodies, const Box3& box_of_case);
-/// A path in the world as seen from a body.
+/// Transforms a path from the world frame to a body's frame.
 CutPath pathInFrame(const CutPath& path, const Rigid3& T_world_body);
 
-/// Of a run that is gone on from: its pieces apart again, and each where it was put.
+/// Result of restoring a continued run's pieces, each at its place.
 struct PiecesPutBack {
-  std::vector<Command> done;         ///< to the session, in this order
+  std::vector<Command> done;         ///< commands to the session, in order
   PieceLabels labels;                ///< their names and colours
-  std::vector<std::string> missing;  ///< names of those that were not found again, and so are where they were loaded
+  std::vector<std::string> missing;  ///< names of pieces that were not found again, and thus are where they were loaded
 };
-/// Before the first tick. @param session  of the run's case, as the run left it.   @cost  seconds for a jaw.
+/// Call before the first tick. @param session  of the run's case, in the run's final state.   @cost  seconds for a jaw.
 PiecesPutBack putPiecesBack(Session& session, std::span<const RunManifest::Piece> before);
 
-/// Of the case after a cut along a path.
+/// Pieces of the case after a cut along a path.
 struct PiecesLeft {
-  std::vector<RunManifest::Piece> pieces;  ///< all that is apart is a piece of its own; the largest first
-  std::vector<std::string> cut_away;       ///< names of those of which nothing is left
+  std::vector<RunManifest::Piece> pieces;  ///< each connected part is a piece; the largest first
+  std::vector<std::string> cut_away;       ///< names of completely removed pieces
 };
-/// What a path cut in two is two pieces from here on, both where the one was: a run that goes on from this one finds
-/// each of them again, by a point inside of its own. The largest part keeps the name.
-/// @param changed  what the new run keeps of the case: run.vdb, grid phi.
-/// @param pieces  as they were put back, or as they are now.   @param parts  their fields, in the same order.
-/// Error kGeometry: material that was added joins pieces that are apart now, where they were loaded: no run can keep
-/// that.   @cost  seconds for a jaw.
+/// If a path cuts a piece in two, both parts become pieces at its place. A run that continues this one finds each by a
+/// point inside. The largest part keeps the name.
+/// @param changed  the field that the new run stores: run.vdb, grid phi.
+/// @param pieces  as restored, or in their current state.   @param parts  their fields, in the same order.
+/// Error kGeometry: added material would join separate pieces where they were loaded; no run can store that.   @cost
+/// seconds for a jaw.
 Expected<PiecesLeft> piecesLeft(const CutScene& scene, const BrickField& changed,
                                 std::span<const RunManifest::Piece> pieces, std::span<const FieldPart> parts);
 

@@ -51,7 +51,7 @@ tl::unexpected<Error> nothingCut(const fs::path& run_folder) {
                .hint = "the folder may be deleted"});
 }
 
-// Copies tool n, with its mesh, into a folder of its own: names may repeat. Hashed before it is copied: see
+// Copies tool n, with its mesh, into a folder of its own, since names may repeat. Hashes before copying: see
 // finishRun().
 Expected<RunManifest::ToolFile> storeTool(const SessionTool& tool, std::size_t n, const fs::path& run_folder) {
   const std::string folder = fmt::format("{}/{:02}", kToolFolder, n + 1);
@@ -75,7 +75,7 @@ bool hasMoved(const CutObject& object) {
   return piece.isMoved();
 }
 
-// What differs from the case, of all its pieces together.   @param fields  of them; none: of one whole object.
+// Differences of all pieces together from the case.   @param fields  of the pieces; none: of one whole object.
 BrickField changesOf(const Objects& objects, const std::vector<BrickField>& fields, const BrickField* loaded) {
   if (fields.empty()) return objects.front()->bricks().changedField();
   std::vector<FieldPart> parts;
@@ -84,7 +84,7 @@ BrickField changesOf(const Objects& objects, const std::vector<BrickField>& fiel
   return joinedChanges(loaded ? *loaded : objects.front()->baked().phi0(), parts);
 }
 
-// Cases beside the one that is worked on: what differs from each, and what the ledger says was cut off it.
+// Neighbours: the difference of each from its case, and its removed volume from the ledger.
 struct NeighbourChanges {
   std::vector<BrickField> fields;
   std::vector<double> removed_mm3;
@@ -174,7 +174,7 @@ Expected<OpenedRun> openSessionRun(const fs::path& run_folder, const fs::path& c
                  .expected = "a new folder in a writable one",
                  .hint = "another name or place"});
 
-  // The lock first: a folder with a manifest and without a lock is one whose program is gone.
+  // The lock first: readers take a folder with a manifest and without a lock for one of a killed program.
   auto opened = [&]() -> Expected<OpenedRun> {
     KERF_TRY(lock, RunLock::take(run_folder));
     KERF_TRY(out, internal::storeSession(run_folder, case_folder, manifest, tools, beside));
@@ -182,7 +182,7 @@ Expected<OpenedRun> openSessionRun(const fs::path& run_folder, const fs::path& c
       KERF_TRY(hash, internal::storeBegin(from, run_folder));
       out.begin_sha256 = hash;
     }
-    KERF_CHECK(syncTree(run_folder));  // what the manifest names is on the disk before it
+    KERF_CHECK(syncTree(run_folder));  // its files are on disk before the manifest
     KERF_CHECK(writeRunManifest(run_folder, out));
     return OpenedRun{std::move(out), std::move(lock)};
   }();
@@ -204,7 +204,7 @@ SessionHeader sessionHeader(const RunManifest& manifest) {
 Expected<void> endSessionRun(const fs::path& run_folder, const Session& session, RunManifest& manifest,
                              const PieceLabels& labels, const BrickField* loaded,
                              std::span<const BrickField* const> beside) {
-  // There is no more to undo than where it began.
+  // A continued session without undo steps is unchanged.
   if (loaded && !session.canUndo()) return nothingCut(run_folder);
   return internal::writeEnd(run_folder, session, manifest, labels, loaded, beside);
 }
@@ -232,7 +232,7 @@ Expected<void> internal::writeEnd(const fs::path& run_folder, const Session& ses
   KERF_CHECK(writeVdb(field, grids, {{"case_id", manifest.case_id}}, &added));
   KERF_TRY(hash, sha256OfFile(field));
   manifest.field_sha256 = hash;
-  // Rounding must not make a manifest that its reader refuses. One that has ended counts these already.
+  // Rounding must not make a manifest that its reader rejects. An ended session counts these already.
   for (std::size_t n = 0; manifest.is_open && n < manifest.beside.size(); ++n)
     manifest.beside[n].removed_mm3 = std::max(manifest.beside[n].removed_mm3 + others.removed_mm3[n], 0.0);
   const auto is_named = [&](const CutObject* object) {
@@ -251,7 +251,7 @@ Expected<void> internal::writeEnd(const fs::path& run_folder, const Session& ses
   return writeRunManifest(run_folder, manifest);
 }
 
-// [colours] stands apart: an older Kerf reads the names and passes it over.
+// [colours] is separate: an older Kerf reads the names and ignores it.
 Expected<void> writePieceLabels(const fs::path& run_folder, const PieceLabels& labels) {
   toml::table names, colours;
   for (const auto& [id, label] : labels) {
@@ -275,7 +275,7 @@ std::optional<std::uint32_t> numberOf(std::string_view word) {
 
 }  // namespace
 
-// Labels are worth no more than a session: without the file, or with a damaged one, pieces are numbered.
+// Labels are optional: without the file, or with a damaged one, pieces are numbered.
 PieceLabels readPieceLabels(const fs::path& run_folder) {
   PieceLabels out;
   const auto table = parseToml(run_folder / kPieceNames);
@@ -294,7 +294,7 @@ PieceLabels internal::labelsOf(const fs::path& run_folder, const RunManifest& ma
   return out;
 }
 
-// ---- After its program is gone
+// ---- Recovery
 
 std::string internal::toolsInHand(const SessionLog& log, const RunManifest& manifest) {
   std::string out = manifest.tools.front().id;

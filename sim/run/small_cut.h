@@ -10,9 +10,9 @@ namespace kerf {
 
 inline constexpr double kUnchanged = 1e-6;  ///< mm^3; a smaller volume counts as none
 
-/// Half a voxel: the volume of a cut of few voxels depends on the place of the grid by so much, and differs so much
+/// Half a voxel. The volume of a cut of few voxels varies by this much with the place of the grid, and differs as much
 /// from the volume of its mesh. Measured with balls, a cylinder and a pear, 0.02 to 0.4 mm deep, voxels of 0.05 to 0.15
-/// mm. Volumes of larger cuts are known to 1 % beside walls that curve, to 3 % beside flat ones along the grid.
+/// mm. Larger cuts have errors of 1 % beside curved walls, 3 % beside flat ones along the grid.
 inline double volumeUncertainty(double voxel_mm) { return 0.5 * voxel_mm * voxel_mm * voxel_mm; }
 
 /// A warning without its full stop if the uncertainty exceeds 3 % of the removed volume.

@@ -22,7 +22,7 @@ SweepCutter::SweepCutter(const BrickField& phi0, const SweepCutterOptions& optio
       psi_(phi0.voxel(), static_cast<float>(options.band_voxels * phi0.voxel())),
       object_(phi0.bounds()) {
   if (object_.isEmpty()) return;
-  for (const Vec3i& brick : phi0.interiorBricks()) {  // a fine region's may lie beyond those at the surface
+  for (const Vec3i& brick : phi0.interiorBricks()) {  // a fine region may have some beyond the surface bricks
     object_.add(phi0.position(brick * kBrickSide));
     object_.add(phi0.position(brick * kBrickSide + Vec3i::Constant(kBrickSide - 1)));
   }
@@ -32,15 +32,15 @@ bool SweepCutter::advance(const SweptTool& sweep, const GoesOn& goes_on) {
   const double h = phi0_.voxel(), band = psi_.background(), tolerance = options_.tolerance_voxels * h;
   Box3 box = sweep.bounds();
   box.grow(band);
-  // Nothing can be cut beyond the bricks that hold the surface: a motion far out or very long costs no more than one
-  // through the object. A field without bricks is tissue all over.
+  // Nothing can be cut beyond the surface bricks: a far or very long motion costs no more than one through the object.
+  // A field without bricks is tissue everywhere.
   if (!object_.isEmpty()) {
     box.min = box.min.cwiseMax(object_.min);
     box.max = box.max.cwiseMin(object_.max);
   }
   if (box.isEmpty()) return false;
 
-  // Bricks with tissue, then those of them the tool may reach (asked in parallel: a long motion's box holds many).
+  // Finds the bricks with tissue that the tool may reach (tested in parallel: a long motion's box holds many).
   const Vec3i low = brickOf((box.min / h).array().floor().cast<int>().matrix());
   const Vec3i high = brickOf((box.max / h).array().ceil().cast<int>().matrix());
   const double brick_radius = 0.5 * std::sqrt(3.0) * (kBrickSide - 1) * h;
@@ -82,7 +82,7 @@ bool SweepCutter::advance(const SweptTool& sweep, const GoesOn& goes_on) {
         }
   };
 
-  constexpr std::size_t kAtOnce = 16;  // bricks; of a mesh of 1.5 M triangles a second or two
+  constexpr std::size_t kAtOnce = 16;  // bricks; a second or two for a mesh of 1.5 M triangles
   const std::size_t stride = goes_on ? kAtOnce : std::max<std::size_t>(1, near.size());
   for (std::size_t begin = 0; begin < near.size(); begin += stride) {
     if (goes_on && !goes_on(static_cast<double>(begin) / static_cast<double>(near.size()))) return false;

@@ -11,9 +11,9 @@ namespace kerf {
 
 inline constexpr double kMergeTolerance = 0.01;  ///< voxels; see mergedFor()
 
-/// The path with what is finer than the grid can tell merged: motions of half a voxel and less, to within a hundredth
-/// of a voxel. A sweep so far beside its path removes 0.1 % more or less.
-/// @param cut  what of the tool cuts.
+/// Merges details of the path below the grid's resolution: motions of half a voxel and less, to within a hundredth of a
+/// voxel. A sweep so far beside its path removes 0.1 % more or less.
+/// @param cut  the tool's cutting part.
 MergedPath mergedFor(const ToolShape& cut, const CutPath& path, double voxel_mm);
 
 struct SweepCutterOptions {
@@ -21,28 +21,29 @@ struct SweepCutterOptions {
   double tolerance_voxels = 0.004;  ///< of the minimum over a motion; 0.004 changes a removed volume by < 0.1 %
 };
 
-/// Holds psi = min over all motions so far of the swept tool's distance (mm, negative where the tool has been), in the
-/// bricks of the object the tool came near to. Then phi = max(phi0, -psi): the cut. Every node takes the minimum over
-/// the continuous motion, so there is no scalloping between poses and the result does not depend on how a path is
-/// divided. Nodes are independent: same bits on any number of threads. Air farther than the object's band is not
+/// Holds psi = min over all motions so far of the swept tool's distance (mm, negative where the tool has been), in
+/// those bricks of the object that the tool came near. The cut is phi = max(phi0, -psi). Every node takes the minimum
+/// over the continuous motion: there is no scalloping between poses, and the result does not depend on the division of
+/// the path. Nodes are independent: same bits on any number of threads. Air farther than the object's band is not
 /// stored.
 class SweepCutter {
  public:
-  /// @param phi0  the baked field; kept by reference, must outlive the cutter. Without any brick it is tissue all over.
+  /// @param phi0  the baked field; kept by reference, must outlive the cutter. A field without bricks is tissue
+  ///   everywhere.
   explicit SweepCutter(const BrickField& phi0, const SweepCutterOptions& options = {});
 
-  /// Asked now and then, from the calling thread, with the part of a motion that is done, 0 to 1; false stops it.
+  /// Called now and then on the calling thread with the finished part of a motion, 0 to 1; false stops it.
   using GoesOn = std::function<bool(double done)>;
 
   /// Adds one motion. O(bricks near it), parallel inside. Allocates: not for the haptic thread.
-  /// @param goes_on  of a tool whose distance is slow to find, as of a mesh of a million triangles. Once it has said no
-  ///   the motion is half there: the cutter is of no use any more.
-  /// @return whether it took anything: a tenth of a voxel or more off a node that was tissue until then.
+  /// @param goes_on  for a tool with a slow distance, such as a mesh of a million triangles. After a stop the motion is
+  ///   incomplete: discard the cutter.
+  /// @return whether it removed anything: a tenth of a voxel or more off a node that was tissue until then.
   bool advance(const SweptTool& sweep, const GoesOn& goes_on = {});
 
   /// psi, mm.
   const BrickField& sweep() const { return psi_; }
-  /// phi = max(phi0, -psi) in the bricks where it differs from phi0 by a bit; elsewhere it is phi0.
+  /// phi = max(phi0, -psi) in the bricks where it differs from phi0 by a bit; elsewhere phi = phi0.
   BrickField cutField() const;
 
  private:

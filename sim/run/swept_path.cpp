@@ -29,7 +29,7 @@ std::size_t SweptPath::build(std::size_t begin, std::size_t end) {
   if (end - begin <= kLeafMotions) {
     for (std::size_t m = begin; m < end; ++m) {
       const Rigid3 &from = path_.poses[motions_[m]].T_object_tool, &to = path_.poses[motions_[m] + 1].T_object_tool;
-      // On its way a motion is no farther turned than at an end, and half of its own turn.
+      // During a motion the turn exceeds that at an end by at most half of the motion's own turn.
       const double ends =
           std::max(from.rotation.angularDistance(mid.rotation), to.rotation.angularDistance(mid.rotation));
       turn = std::max(turn, ends + 0.5 * from.rotation.angularDistance(to.rotation));
@@ -51,7 +51,7 @@ std::size_t SweptPath::build(std::size_t begin, std::size_t end) {
   return n;
 }
 
-// A point moves in the tool's frame by the tool's travel, and by its turn about a tip that is so far away.
+// A point moves in the tool's frame by the tool's travel, and by its turn about a tip at that distance.
 double SweptPath::lowerBound(const Node& node, const Vec3d& x) const {
   const Rigid3& mid = path_.poses[node.pose].T_object_tool;
   const Vec3d from_tip = x - mid.translation;

@@ -1,4 +1,4 @@
-// How far a point is from all that a tool sweeps along a path, without asking each of its motions.
+// Distance from a point to a tool's sweep along a path, without testing every motion.
 #pragma once
 
 #include <cstddef>
@@ -10,9 +10,9 @@
 
 namespace kerf {
 
-/// The cutting motions of a path in a binary tree, neighbours in time together. From the pose in the middle of a part
-/// nothing of that part is farther than its poses differ, because the shape's distance is 1-Lipschitz: a lower bound by
-/// which parts are left out. Shape and path must outlive it. Reading is safe from many threads.
+/// The cutting motions of a path in a binary tree that groups neighbours in time. The shape's distance is 1-Lipschitz:
+/// the poses of a part deviate from its middle pose by a bounded amount, which gives a lower bound for skipping parts.
+/// Shape and path must outlive it. Reading is safe from many threads.
 class SweptPath {
  public:
   /// @cost O(motions), about 0.1 us each.
@@ -20,11 +20,11 @@ class SweptPath {
 
   struct Nearest {
     double distance_mm = 0;   ///< negative where the tool has been
-    std::size_t motions = 0;  ///< that were asked
+    std::size_t motions = 0;  ///< number of motions tested
   };
   /// The minimum of SweptTool::distance() over all cutting motions.
-  /// @param far        mm, > 0: what is at or beyond it comes back as `far`.
-  /// @param tolerance  mm, > 0, as of SweptTool::distance(); values below -far are known no better than that.
+  /// @param far        mm, > 0: the limit for larger distances.
+  /// @param tolerance  mm, > 0, as in SweptTool::distance(); values below -far are no more accurate than that.
   /// @cost about 40 us with 20 000 motions, growing as their logarithm.
   Nearest nearest(const Vec3d& x_object, double far, double tolerance) const;
 
@@ -34,7 +34,7 @@ class SweptPath {
   struct Node {
     std::size_t begin, end;       // in motions_
     std::size_t pose;             // in the middle, of path_.poses
-    double travel = 0, turn = 0;  // mm, rad: of any pose of the part from that one, at most
+    double travel = 0, turn = 0;  // mm, rad: largest deviation of any pose of the part from `pose`
     std::size_t second = 0;       // the second child, the first follows the node; 0: a leaf
   };
 

@@ -56,7 +56,7 @@ class CellCorners {
 // The bit of an axis in the number of a corner.
 constexpr std::size_t bitOf(std::size_t axis) { return std::size_t{4} >> axis; }
 
-// Where a cell is negative along a line, 0 to 1: one interval, since the field is linear there.
+// The negative stretch of a cell along a line, 0 to 1: one interval, since the field is linear there.
 struct Part {
   double begin = 0, end = 0;
   double length() const { return std::max(0.0, end - begin); }
@@ -77,7 +77,7 @@ Part negativeAlong(const Cell& cell, std::size_t axis, double u, double v) {
   return low < 0 ? Part{0, zero} : Part{zero, 1};
 }
 
-// Along which the two fields change most: a thin layer between them is crossed by such lines.
+// The axis along which the two fields change most: such lines cross a thin layer between them.
 std::size_t steepestAxis(const Cell& a, const Cell& b) {
   std::array<double, 3> steepness{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -91,7 +91,7 @@ std::size_t steepestAxis(const Cell& a, const Cell& b) {
   return static_cast<std::size_t>(std::max_element(steepness.begin(), steepness.end()) - steepness.begin());
 }
 
-// The part of a cell where both fields are negative.
+// The part of a cell in which both fields are negative.
 double partInside(const Cell& a, const Cell& b) {
   const auto inside = [](const Cell& cell) {
     return std::count_if(cell.begin(), cell.end(), [](double value) { return value < 0; });
@@ -125,7 +125,7 @@ double partInBrick(const BrickField& phi0, const BrickField& psi, const Vec3i& b
   return sum;
 }
 
-// The bricks of a field that are in, or beside, a brick of another one.
+// The bricks of a field in, or beside, a brick of another one.
 BrickField nearBricksOf(const BrickField& field, const BrickField& other) {
   BrickField out(field.voxel(), field.background());
   for (std::size_t b = 0; b < field.brickCount(); ++b) {

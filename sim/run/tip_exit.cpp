@@ -7,7 +7,7 @@
 namespace kerf::internal {
 namespace {
 
-// Whether material lies around a point of air on all sides: rays along an even spiral of directions.
+// Whether material surrounds a point of air: rays along an even spiral of directions.
 bool isInCavity(const BrickField& field, const Vec3d& p) {
   constexpr int kRays = 64;
   const Box3 box = field.bounds();

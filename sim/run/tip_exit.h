@@ -8,23 +8,23 @@
 
 namespace kerf::internal {
 
-/// Follows the tip through an object as it was loaded. It comes out on the far side where it was a voxel deep, leaves,
-/// and the surface there looks away from the shank by less than 60 degrees from straight ahead. A tip that leaves a
-/// slot sideways, goes back out of its hole, or enters a closed cavity does not.
+/// Follows the tip through an object as loaded. The tip comes out on the far side if it was a voxel deep, leaves, and
+/// the surface there looks away from the shank by less than 60 degrees from straight ahead. Leaving a slot sideways,
+/// going back out of the hole, or entering a closed cavity does not count.
 class TipExit {
  public:
-  /// @param loaded  the whole object's field, no region's; kept by reference.
+  /// @param loaded  the whole object's field, not a region's; kept by reference.
   explicit TipExit(const BrickField& loaded) : loaded_(loaded) {}
 
-  /// The tool is here now; between two poses the tip went straight. @cost 0.5 us per half voxel of the way; 2 ms
-  /// where it leaves.
+  /// The tool is here now; between two poses the tip went straight. @cost 0.5 us per half voxel of the way; 2 ms at an
+  /// exit.
   void moveTo(const Rigid3& T_object_tool);
-  /// The tool was lifted to elsewhere: the next pose does not follow on the last.
+  /// The tool was lifted elsewhere: the next pose does not continue the last.
   void lift() {
     last_.reset();
     is_deep_ = false;
   }
-  /// mm, the first place; nothing: it never did.
+  /// mm, the first exit; empty: none.
   const std::optional<Vec3d>& place() const { return place_; }
 
  private:

@@ -13,7 +13,7 @@
 namespace kerf {
 namespace {
 
-// Long edges meet a block this wide, mm; where that is less than the edge, its ends stay outside.
+// Long edges meet a block this wide, mm; the ends of longer edges stay outside.
 constexpr double kBlockWidth = 4;
 
 double plungeDepth(const Tool& tool) {
@@ -23,8 +23,8 @@ double plungeDepth(const Tool& tool) {
   return std::min(tool.cuts_end ? 1.5 * tool.head_length_mm : tool.head_diameter_mm, kDeepest);
 }
 
-// The block in the tool's frame with the tip just touching: it begins where the cutting part touches and reaches on
-// along the plunge. Fills in width and expected volume.
+// The block in the tool's frame with the tip just touching: it begins at the contact of the cutting part and extends
+// along the plunge. Also sets width and expected volume.
 Box3 blockFor(const Tool& tool, double h, ToolCheck& out) {
   Box3 block = tool.cut->bounds();
   block.grow(6 * h);
@@ -53,7 +53,7 @@ BrickField sampleBlock(const Box3& block, const Rigid3& pose, double h) {
   return sampleDistance([&](const Vec3d& p) { return solid.distance(back * p); }, block.transformed(pose), h);
 }
 
-// What is in the block and in the sweep.
+// The intersection of block and sweep.
 BrickField intersection(const BrickField& phi0, const BrickField& psi) {
   BrickField removed(phi0.voxel(), psi.background());
   BrickValues values;
@@ -83,7 +83,7 @@ Expected<ToolCheck> checkTool(const Tool& tool, double voxel_mm, const Progress&
   // A wide head cuts a shallow bowl: its depth must be resolved, too.
   const double resolved = std::max(std::min(defaultVoxel(tool), out.depth_mm / 12), thinnest / 100);
   const double h = out.voxel_mm = voxel_mm == 0 ? resolved : voxel_mm;
-  // The block is sampled whole: finer than a hundredth of the tool, memory runs out before anything is learnt.
+  // The block is sampled whole: finer than a hundredth of the tool exhausts memory without a result.
   if (!(h >= thinnest / 100 && h <= thinnest / 3))
     return fail({.code = Error::Code::kBadValue,
                  .place = "voxel",

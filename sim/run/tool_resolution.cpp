@@ -9,13 +9,13 @@ namespace {
 
 constexpr double kFewestAcross = 1.8;                  // voxels
 constexpr double kPointed = 3, kPointLength = 4;       // voxels
-constexpr double kFine = 0.1;                          // mm: as far as a third was measured
-constexpr double kFinest = 0.005;                      // mm: what a case may have
-constexpr double kWithinLimit = 0.95;                  // what is advised shall do when it is rounded to two digits
+constexpr double kFine = 0.1;                          // mm: measured errors up to a third
+constexpr double kFinest = 0.005;                      // mm: least voxel size of a case
+constexpr double kWithinLimit = 0.95;                  // keeps advice valid after rounding to two digits
 constexpr double kRounding = 1e-9;                     // mm
 constexpr double kPointWidth = 0.3, kLongPoint = 0.4;  // mm
 
-// Of both parts: negative inside.
+// Distance of both parts: negative inside.
 double distanceOf(const Tool& tool, const Vec3d& at) {
   return tool.body ? std::min(tool.cut->distance(at), tool.body->distance(at)) : tool.cut->distance(at);
 }

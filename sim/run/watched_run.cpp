@@ -20,8 +20,8 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-constexpr auto kBatch = milliseconds(8);       // of ticks between two looks at what is asked for
-constexpr auto kMostLate = milliseconds(250);  // what it is late by more than that is not caught up
+constexpr auto kBatch = milliseconds(8);       // of ticks between two checks for requests
+constexpr auto kMostLate = milliseconds(250);  // a longer delay is not caught up
 constexpr std::size_t kJumpBatch = 64;         // ticks
 
 std::size_t loadedIndex(const LoadedObjects& objects, const BakedObject* baked) {
@@ -29,7 +29,7 @@ std::size_t loadedIndex(const LoadedObjects& objects, const BakedObject* baked) 
   return at == objects.end() ? 0 : static_cast<std::size_t>(at - objects.begin());
 }
 
-// The values of a brick as they are now, whether the object has it or not.
+// The current values of a brick, whether the object has it or not.
 BrickValues valuesOf(const CutObject& object, const Vec3i& brick) {
   BrickValues out;
   const int slot = object.find(brick);
@@ -78,7 +78,7 @@ Expected<void> WatchedRun::load(const Progress& progress) {
   return {};
 }
 
-// Of neighbours that were cut before, the floors of those cuts are told from their scans by the distance alone.
+// For neighbours that were cut before, distance alone separates the floors of those cuts from their scans.
 Expected<void> WatchedRun::chooseColours() {
   for (std::size_t n = 0; n < recording_.objects.size(); ++n) {
     const std::shared_ptr<const BakedObject>& object = recording_.objects[n];
@@ -95,7 +95,7 @@ Expected<void> WatchedRun::chooseColours() {
   return {};
 }
 
-// By the laws of the live session: the temperature is no part of the log.
+// Uses the laws of the live session: the log holds no temperature.
 Expected<void> WatchedRun::watchHeat(const Progress& progress) {
   if (!report(progress, 0.93, "measuring the way to pulp and nerve")) return cancelled();
   const Progress rest = [&](double done, std::string_view step) { return report(progress, 0.93 + 0.07 * done, step); };
@@ -116,7 +116,7 @@ Expected<void> WatchedRun::watchHeat(const Progress& progress) {
 // Strokes by their marks, the rest by the commands.
 void WatchedRun::findSteps() {
   std::size_t tool = 0;
-  std::optional<std::size_t> stroke;  // the one that goes on
+  std::optional<std::size_t> stroke;  // the current one
   for (const SessionEvent& event : recording_.log.events) {
     const std::size_t at = event.samples_before;
     if (const auto* mark = std::get_if<StrokeMark>(&event.what)) {
@@ -130,9 +130,9 @@ void WatchedRun::findSteps() {
     }
     const auto* text = std::get_if<SessionCommand>(&event.what);
     const Expected<Command> command = text ? parseCommand(text->text) : Expected<Command>(fail({}));
-    if (!command || at == 0) continue;  // before the first sample stands what the session began with
+    if (!command || at == 0) continue;  // before the first sample: start of the session
     if (const auto* select = std::get_if<SelectTool>(&*command)) tool = select->tool;
-    const std::size_t end = std::min(at + 1, samples());  // a command is done with the sample behind it
+    const std::size_t end = std::min(at + 1, samples());  // the sample after a command executes it
     if (std::holds_alternative<MoveObject>(*command)) steps_.push_back({WatchedStep::Kind::kMove, at, end, tool});
     if (std::holds_alternative<Undo>(*command)) steps_.push_back({WatchedStep::Kind::kUndo, at, end, tool});
     if (std::holds_alternative<Redo>(*command)) steps_.push_back({WatchedStep::Kind::kRedo, at, end, tool});
@@ -157,7 +157,7 @@ PieceLabels WatchedRun::labels() const {
   return out;
 }
 
-// ---- What is asked for
+// ---- Requests
 
 void WatchedRun::play() {
   const std::lock_guard lock(mutex_);
@@ -187,7 +187,7 @@ void WatchedRun::jumpTo(std::size_t sample) {
   ordered_.notify_one();
 }
 
-// ---- What there is to see
+// ---- Display
 
 bool WatchedRun::update() {
   const std::lock_guard lock(mutex_);
@@ -236,7 +236,7 @@ std::optional<SceneView> WatchedRun::viewScene() const {
   for (std::size_t n = 0; n < report.object_count; ++n) {
     const ObjectReport& object = report.objects[n];
     const auto shown = std::find_if(shown_.begin(), shown_.end(), [&](const Shown& s) { return s.id == object.id; });
-    if (shown == shown_.end()) return {};  // pieces are in the scene some ms before their meshers are
+    if (shown == shown_.end()) return {};  // pieces appear some ms before their meshers
     const auto name = known.find(object.id);
     out.objects.push_back({object.id, object.loaded,
                            name == known.end() ? fmt::format("piece {}", n + 1) : name->second.name,
@@ -301,7 +301,7 @@ void WatchedRun::restartClock() {
   sample_from_ = player_->nextSample();
 }
 
-// As far as the clock says, for some ms at most.
+// Plays as far as the clock requires, for some ms at most.
 void WatchedRun::playOn() {
   const auto begin = Clock::now();
   std::size_t target = samples();
@@ -317,7 +317,7 @@ void WatchedRun::playOn() {
   if (late > std::chrono::duration<double>(kMostLate).count() * std::max(now_.speed, 1.0)) restartClock();
 }
 
-// One sample, and the state before it kept if it is time. False: it can not be played on from here.
+// Ticks one sample, and keeps the state before it when due. False: playback cannot continue from here.
 bool WatchedRun::tick() {
   auto done = player_->handleEvents();
   if (done) {
@@ -335,7 +335,7 @@ bool WatchedRun::tick() {
     return false;
   }
 
-  // An undo that reaches back behind the state that was kept: again from one before it.
+  // An undo reaches back before the kept state: start again from an earlier one.
   const std::size_t here = player_->nextSample();
   startFrom(lastKept(*began_with_));
   while (player_->nextSample() < here) {
@@ -345,7 +345,7 @@ bool WatchedRun::tick() {
   return tick();
 }
 
-// With the last state that was kept before a sample; null: the beginning.
+// The last state kept before a sample; null: the beginning.
 const WatchedRun::Kept* WatchedRun::lastKept(std::size_t before) const {
   const auto at = std::partition_point(kept_.begin(), kept_.end(), [&](const Kept& k) { return k.sample < before; });
   return at == kept_.begin() ? nullptr : &*(at - 1);
@@ -375,7 +375,7 @@ void WatchedRun::startFrom(const Kept* kept) {
   if (heat_) heat_->restore(kept ? kept->heat : cold_);
   ++jumps_;
 
-  // Meshers know a later or an earlier moment: all in which those may differ is told once more.
+  // Meshers know a later or an earlier moment: sends all bricks again that may differ.
   for (const CutObject& object : session.state().objects)
     if (const auto told = told_.find(object.id); told != told_.end())
       for (int s = 0; s < object.slotCount(); ++s)
@@ -386,7 +386,7 @@ void WatchedRun::startFrom(const Kept* kept) {
   }
 }
 
-// Where a stroke begins: there a session closes what can be undone in any case.
+// Keeps states at the beginning of a stroke, where a session closes the last undo step in any case.
 void WatchedRun::keepState() {
   const std::size_t n = player_->nextSample();
   const auto presses = [&](std::size_t sample) {
@@ -415,7 +415,7 @@ void WatchedRun::keepState() {
   std::erase_if(kept_, [&](const Kept&) { return number++ % 2 == 0; });
 }
 
-// To a sample without pictures, unless something else is asked for meanwhile.
+// Jumps to a sample without pictures, until another request arrives.
 void WatchedRun::jump(std::size_t target) {
   const Kept* const kept = lastKept(target + 1);
   const bool is_back = target < player_->nextSample();
@@ -438,12 +438,12 @@ void WatchedRun::jump(std::size_t target) {
   now_.is_jumping = false;
   if (is_stopped) return;
   if (player_->isAtEnd()) return arrive();
-  // What stands at the beginning is how the session began: its pieces.
+  // Events before the first sample set up the session's pieces.
   if (player_->nextSample() > 0) return;
   if (const auto begun = player_->handleEvents(); !begun) stopWith(begun.error());
 }
 
-// At the end: is it the session's?
+// Compares the state at the end with the session's.
 void WatchedRun::arrive() {
   stopPlaying();
   if (now_.verdict) return;
@@ -467,7 +467,7 @@ void WatchedRun::arrive() {
   now_.verdict = std::move(verdict);
 }
 
-// A jump from here does not play on, unless that is asked for again.
+// Stops: a later jump does not play on without a new request.
 void WatchedRun::stopPlaying() {
   now_.is_playing = false;
   const std::lock_guard lock(mutex_);
@@ -479,7 +479,7 @@ void WatchedRun::stopWith(const Error& error) {
   now_.verdict = WatchVerdict{false, true, error.message()};
 }
 
-// ---- What its meshers and its watcher are told
+// ---- Messages to the meshers and the viewer
 
 WatchedRun::Told& WatchedRun::toldOf(CutObject& object) {
   const auto [at, is_new] = told_.try_emplace(object.id);
@@ -501,7 +501,7 @@ WatchedRun::Told& WatchedRun::toldOf(CutObject& object) {
   return told;
 }
 
-// As much as the feeds take: what is left waits for the next call.
+// Sends as many bricks as the feeds take; the rest waits for the next call.
 void WatchedRun::sendBricks() {
   Session& session = player_->session();
   HapticCounts& counts = now_.report.counts;

@@ -1,15 +1,15 @@
-// A session that has ended, watched: its log is replayed by a thread of its own, paced by the clock times a speed.
+// Playback of an ended session: a thread replays its log, paced by the clock times a speed.
 //
 //   RUN/session.kerflog ──▶ LogPlayer ──bricks──▶ a MesherThread an object ──chunks──▶ window
 //     play, pause, jump ──▶ (its thread)
 //                               └──────newest moment──▶ moment(), as live reports
 //
-// What is seen is what was cut, bit for bit, at whatever speed: a sample is ticked or it is not, and no tick differs
-// from that of the session. Nothing is written.
+// Playback shows the cut bit for bit at any speed: a sample is ticked or it is not, and no tick differs from that of
+// the session. Nothing is written.
 //
-// To go back, the log is played again from the last state that was kept, or from its beginning, without pictures.
-// States are kept where a stroke begins, in memory. They do not know what could be undone before them: where an undo in
-// the log reaches back behind one, the log is played from an earlier one.
+// To go back, the thread replays the log without pictures from the last kept state, or from the beginning. States are
+// kept in memory, at the beginnings of strokes. They do not know earlier undo steps: if an undo in the log reaches back
+// before one, the replay starts from an earlier one.
 #pragma once
 
 #include <chrono>
@@ -42,21 +42,21 @@ namespace kerf {
 struct WatchOptions {
   MesherThreadOptions mesher;
   bool is_looked_at = false;  ///< chunks of the surface get colours and occlusion
-  /// Of states that are kept to go back to, bytes. When they are more, every second one is given up.
+  /// Most memory for kept states, bytes. Beyond it, every second one is dropped.
   std::size_t kept_bytes = std::size_t{256} << 20;
-  /// Simulated seconds between two of them at least.
+  /// Least simulated seconds between two kept states.
   double keep_every_s = 5;
 };
 
-/// What the log holds that a person would go to.
+/// A step in the log that a user may jump to.
 struct WatchedStep {
   enum class Kind { kStroke, kMove, kUndo, kRedo };
   Kind kind = Kind::kStroke;
-  std::size_t begin = 0, end = 0;  ///< samples: the log is right behind the step when `end` of them are ticked
-  std::size_t tool = 0;            ///< in hand when it began
+  std::size_t begin = 0, end = 0;  ///< samples: after `end` ticked samples the log is right behind the step
+  std::size_t tool = 0;            ///< in hand at its beginning
 };
 
-/// Whether the replay ended where the session did.
+/// Whether the replay ended like the session.
 struct WatchVerdict {
   bool is_same = false;
   bool is_whole = true;  ///< false: the log ends before its session did
@@ -65,17 +65,17 @@ struct WatchVerdict {
 
 /// A moment of the session.
 struct WatchMoment {
-  HapticReport report;     ///< as the session had it; counts: ticks, pauses (undo, jumps) and edits alone; heat: where
-                           ///< it is looked at
-  std::size_t sample = 0;  ///< so many are ticked
-  std::size_t steps = 0;   ///< of steps() that are over
+  HapticReport report;     ///< as in the session; counts: ticks, pauses (undo, jumps) and edits only;
+                           ///< heat: if is_looked_at
+  std::size_t sample = 0;  ///< number of ticked samples
+  std::size_t steps = 0;   ///< number of finished steps()
   std::size_t tool = 0;    ///< in hand
   bool is_playing = false;
-  bool is_jumping = false;  ///< played without pictures, to where a person wants to be
-  double jump_share = 0;    ///< of that, 0 to 1
+  bool is_jumping = false;  ///< replaying without pictures to the user's target
+  double jump_share = 0;    ///< finished part of the jump, 0 to 1
   bool is_at_end = false;
-  double speed = 1;                     ///< times that of the clock; kFastest: as fast as it can
-  std::optional<WatchVerdict> verdict;  ///< at the end, or where the log can not be played on
+  double speed = 1;                     ///< times that of the clock; kFastest: no pacing
+  std::optional<WatchVerdict> verdict;  ///< at the end, or where the log cannot be replayed further
 };
 
 /// All calls from one thread.
@@ -96,46 +96,46 @@ class WatchedRun {
   std::span<const Tool> tools() const noexcept { return recording_.tools; }
   const Model& model() const noexcept { return recording_.model; }
   const BakedObject& object() const noexcept { return *recording_.objects.front(); }
-  /// What was loaded: what was worked on, and behind it what stood beside.
+  /// The loaded objects: the case, then its neighbours.
   std::span<const std::shared_ptr<const BakedObject>> objects() const noexcept { return recording_.objects; }
-  /// The field of the case, before anything was cut.
+  /// The field of the case, before any cut.
   std::shared_ptr<const BrickField> original() const noexcept { return original_; }
-  /// As LiveRun's.
+  /// As in LiveRun.
   std::shared_ptr<const ScanColours> scanColours() const noexcept { return scan_colours_; }
   bool hasScanColours() const noexcept { return has_scan_colours_; }
   /// Pulp and nerve canals, as loaded; null unless options.is_looked_at.
   std::shared_ptr<const Structures> structures() const noexcept { return structures_; }
-  /// What an earlier run had removed, from which the session went on, mm^3.
+  /// Volume removed in the continued run, mm^3.
   double removedBefore() const noexcept { return removed_before_; }
-  /// Of the pieces at the end, by CutObject::id; of an object that stayed in one piece, of that.
+  /// Labels of the pieces at the end, by CutObject::id; of the object itself if it stayed in one piece.
   PieceLabels labels() const;
   /// In the order of the log.
   std::span<const WatchedStep> steps() const noexcept { return steps_; }
   std::size_t samples() const noexcept { return recording_.log.samples.size(); }
   double seconds() const noexcept { return kTick * static_cast<double>(samples()); }
 
-  // What is asked for is done by the thread some ms later; what is played goes on playing after a jump.
+  // The thread executes requests some ms later. Playback continues after a jump.
 
   static constexpr double kFastest = 0, kLeastSpeed = 0.25, kMostSpeed = 16;
-  /// At the end: nothing.
+  /// No effect at the end.
   void play();
   void pause();
   /// @param speed  clamped to kLeastSpeed and kMostSpeed, or kFastest.
   void setSpeed(double speed);
-  /// @param sample  clamped to samples(). A jump that is under way is given up.
+  /// @param sample  clamped to samples(). Replaces a jump under way.
   void jumpTo(std::size_t sample);
 
   /// Fetches the newest moment; false: none since the last call.
   bool update();
   const WatchMoment& moment() const noexcept { return moment_; }
-  /// Whether all that was asked for is done, but for playing, and its moment is the newest one and meshed:
-  /// the next takeChunks() has what is left of it.
+  /// Whether all requests except playing are done, and their moment is the newest one and meshed: the next takeChunks()
+  /// has the rest of it.
   bool isSettled() const;
 
   /// Chunks that changed since the last call, object by object, as LiveRun::takeChunks().
   std::vector<ObjectChunks> takeChunks();
   std::uint64_t editsDone() const noexcept;
-  /// What is in the scene now, as LiveRun::viewScene().
+  /// The current scene, as LiveRun::viewScene().
   std::optional<SceneView> viewScene() const;
 
  private:
@@ -148,7 +148,7 @@ class WatchedRun {
 
   // The thread.
   struct Orders {
-    std::uint64_t number = 0;  // of the last one
+    std::uint64_t number = 0;  // of the last request
     bool is_playing = false, is_over = false;
     double speed = 1;
     std::optional<std::size_t> jump;
@@ -156,14 +156,14 @@ class WatchedRun {
   struct Kept {
     std::size_t sample = 0, event = 0;
     std::vector<std::byte> state;
-    std::map<std::uint32_t, std::array<double, 256>> removed_before;  // CutObject's, by its id
+    std::map<std::uint32_t, std::array<double, 256>> removed_before;  // per CutObject::id
     LiveHeat::Memory heat;
   };
-  // What the mesher of an object was told.
+  // Bricks sent to the mesher of an object.
   struct Told {
     std::shared_ptr<BrickFeed> feed;
-    std::unordered_map<std::uint64_t, Vec3i> bricks;  // that may differ from what the mesher began with
-    std::vector<Vec3i> again;                         // to be told once more
+    std::unordered_map<std::uint64_t, Vec3i> bricks;  // bricks that may differ from the mesher's start
+    std::vector<Vec3i> again;                         // to be sent again
   };
   void run();
   Orders takeOrders();
@@ -190,7 +190,7 @@ class WatchedRun {
   Rigid3 place_;
   double removed_before_ = 0;
   std::vector<WatchedStep> steps_;
-  std::vector<decltype(RemesherOptions::finish)> looks_;  // of recording_.objects, or none
+  std::vector<decltype(RemesherOptions::finish)> looks_;  // of recording_.objects, or empty
   std::shared_ptr<const BrickField> original_;
   std::shared_ptr<const ScanColours> scan_colours_;
   bool has_scan_colours_ = false;
@@ -199,12 +199,12 @@ class WatchedRun {
   // The thread's.
   std::optional<internal::LogPlayer> player_;
   std::vector<Kept> kept_;                 // by rising samples
-  std::optional<std::size_t> began_with_;  // sample of the state that the player began with
+  std::optional<std::size_t> began_with_;  // sample of the player's start state
   std::uint64_t jumps_ = 0;
   std::unordered_map<std::uint32_t, Told> told_;
   StepOutput output_;
-  std::unique_ptr<LiveHeat> heat_;  // null: nobody looks
-  LiveHeat::Memory cold_;           // of the beginning
+  std::unique_ptr<LiveHeat> heat_;  // null unless options_.is_looked_at
+  LiveHeat::Memory cold_;           // at the beginning
   WatchMoment now_;
   std::chrono::steady_clock::time_point clock_from_{};
   std::size_t sample_from_ = 0;
@@ -218,7 +218,7 @@ class WatchedRun {
   bool is_fresh_ = false;
   struct CameOff {
     std::shared_ptr<const PieceOrigin> origin;  // null: as loaded
-    std::size_t loaded = 0;                     // of recording_.objects
+    std::size_t loaded = 0;                     // index in recording_.objects
     std::uint32_t id = 0;
     std::shared_ptr<BrickFeed> feed;
   };

@@ -122,7 +122,7 @@ std::vector<std::string_view> wordsOf(std::string_view text) {
   }
 }
 
-// How a parameter is printed and read. take() uses up the words it read; false: the first of them is no such number.
+// Prints and reads a parameter. take() uses up the words it read; false: the first of them is no such number.
 template <class T>
 requires std::is_arithmetic_v<T>
 struct Text {

@@ -1,11 +1,11 @@
-// What a session can be asked to do between two ticks: one small value for each command, and one table of them all.
+// Commands of a session between two ticks: one small value for each, and one table of them all.
 //
-// Values cross queues and reach the 1 kHz thread. Text exists only where people and files are: in the session log, in
-// scripts and in help. printCommand() and parseCommand() lead from one to the other; log, help, refusals and
-// docs/reference/session-commands.md all follow from the table in command.cpp.
+// Values cross queues and reach the 1 kHz thread. Text exists only for people and files: in the session log, in scripts
+// and in help. printCommand() and parseCommand() convert. Log, help, error texts and docs/reference/session-commands.md
+// all follow from the table in command.cpp.
 //
-// A new command is a struct and its place in Command here, its row in the table, and Session::perform(). Whatever of
-// these is forgotten does not compile.
+// A new command is a struct and its place in Command here, its row in the table, and Session::perform(). If one is
+// missing, it does not compile.
 #pragma once
 
 #include <array>
@@ -72,8 +72,8 @@ using Command = std::variant<SelectTool, Undo, Redo, ClearLatch, AddMaterial, St
                              UnfreezeObject, SplitObject, PlaceTool>;
 static_assert(std::is_trivially_copyable_v<Command>, "a command crosses queues without allocation");
 
-/// Who may ask for a command while a HapticThread runs the session. Session::apply() itself takes every command, so a
-/// log or a script may hold all of them.
+/// Senders of a command while a HapticThread runs the session. Session::apply() itself takes every command, so a log or
+/// a script may hold all of them.
 enum class CommandSender : std::uint8_t {
   kUser = 1,       ///< from outside, by HapticThread::send()
   kSimulation = 2  ///< HapticThread and PieceMaker by themselves; in lockstep Session::tick()
@@ -81,12 +81,12 @@ enum class CommandSender : std::uint8_t {
 
 struct CommandParameter {
   std::string_view name;         ///< as in the usage; several words for several numbers: "x y z"
-  std::string_view unit;         ///< empty: a number without one
-  std::string_view description;  ///< what it is, with its range
+  std::string_view unit;         ///< empty: a number without unit
+  std::string_view description;  ///< meaning and range
   bool is_optional = false;      ///< may be left out at the end
 };
 
-/// What the table says of one command.
+/// Table row of one command.
 struct CommandRow {
   std::string_view name;                         ///< in the log, in one or two words: "tool.select", "add off"
   std::string_view description;                  ///< one sentence
@@ -96,7 +96,7 @@ struct CommandRow {
   constexpr bool maySend(CommandSender sender) const noexcept {
     return (senders & static_cast<std::uint8_t>(sender)) != 0;
   }
-  /// "object.move N x y z qw qx qy qz"; what may be left out in brackets.
+  /// "object.move N x y z qw qx qy qz"; optional ones in brackets.
   std::string usage() const;
 };
 
@@ -107,9 +107,9 @@ const CommandRow& rowOf(const Command& command) noexcept;
 
 /// The text of a command, as the log holds it. Numbers are the shortest that read back to the same bits. Allocates.
 std::string printCommand(const Command& command);
-/// The way back: parseCommand(printCommand(c)) is c for finite numbers. Words are parted by spaces. kBadValue says what
-/// was found and what is expected: an unknown name, a parameter that is missing, no number or out of range of its type,
-/// or something behind the last one. Whether tool or object are there is Session::apply()'s to say.
+/// Inverse: parseCommand(printCommand(c)) is c for finite numbers. Spaces separate words. kBadValue names the found
+/// and the expected text: an unknown name, a parameter that is missing, no number or out of range of its type, or extra
+/// words. Session::apply() checks whether tool and object exist.
 Expected<Command> parseCommand(std::string_view text);
 
 /// The table as Markdown: docs/reference/session-commands.md is this text.

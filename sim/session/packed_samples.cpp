@@ -49,7 +49,7 @@ class BitReader {
     return (std::to_integer<unsigned>(from_[byte]) >> at_++ % 8 & 1) != 0;
   }
   bool isShort() const { return is_short_; }
-  /// All was read, and what fills the last byte is zero.
+  /// All bits are read, and the padding of the last byte is zero.
   bool isAtEnd() const {
     if (is_short_ || (at_ + 7) / 8 != from_.size()) return false;
     return at_ % 8 == 0 || std::to_integer<unsigned>(from_.back()) >> at_ % 8 == 0;
@@ -61,7 +61,7 @@ class BitReader {
   bool is_short_ = false;
 };
 
-// ---- Where the samples before lead: the polynomial through the last `order` of them, one tick on
+// ---- Extrapolation: the polynomial through the last `order` samples, one tick on
 
 std::uint64_t predicted(const std::array<std::uint64_t, kOrders>& before, std::size_t order) {
   switch (order) {
@@ -97,7 +97,7 @@ void putCode(BitWriter& out, std::uint64_t value, unsigned shift) {
   out.put(value, shift);
 }
 
-// Sets `is_bad` for a code that no number has.
+// Sets `is_bad` for an invalid code.
 std::uint64_t getCode(BitReader& in, unsigned shift, bool& is_bad) {
   unsigned width = 0;
   while (!in.isShort() && width + shift <= 64 && !in.bit()) ++width;
@@ -117,7 +117,7 @@ struct Way {
   std::uint64_t bits = std::numeric_limits<std::uint64_t>::max();
 };
 
-// Of all shifts the one that makes numbers of these widths shortest.   @param widths  how many numbers of each width.
+// Finds the shift with the shortest code for numbers of these widths.   @param widths  count of numbers of each width.
 void improve(Way& best, std::size_t order, const std::array<unsigned, 65>& widths) {
   for (unsigned shift = 0; shift <= kMostShift; ++shift) {
     std::uint64_t bits = 0;
@@ -141,7 +141,7 @@ void follow(std::array<T, N>& before, const T& value) {
   before[0] = value;
 }
 
-// How each sample's number differs from where those before it lead.
+// Difference of each sample's number from its extrapolation.
 std::vector<std::uint64_t> differences(std::span<const SampleBits> samples, std::size_t number,
                                        const SampleHistory& history, std::size_t order) {
   std::vector<std::uint64_t> out;
@@ -169,7 +169,7 @@ Way shortestWay(std::span<const SampleBits> samples, std::size_t number, const S
 std::vector<std::byte> packSamples(std::span<const SampleBits> samples, SampleHistory& history) {
   assert(!samples.empty() && samples.size() <= kMostPackedSamples);
 
-  // Which numbers move, and the shortest way to say how.
+  // Moving numbers, and their shortest code.
   std::uint32_t moves = 0;
   std::array<Way, kSampleNumbers> ways;
   for (std::size_t number = 0; number < kSampleNumbers; ++number) {

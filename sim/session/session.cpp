@@ -8,7 +8,7 @@ namespace {
 
 // A state check hashes no more bricks than this in a tick: about 100 µs.
 constexpr std::size_t kMostAtOnce = 128;
-// In the ticks before a check: so many a tick of those that were left alone for so many contact evaluations.
+// In the ticks before a check: bricks hashed per tick, of those unchanged for kLeftAlone contact evaluations.
 constexpr std::size_t kHashesATick = 16;
 constexpr std::uint32_t kLeftAlone = 32;
 
@@ -30,7 +30,7 @@ bool mayMeetTool(const Command& command) noexcept {
          std::holds_alternative<StopAdding>(command) || std::holds_alternative<MoveObject>(command);
 }
 
-// Of MoveObject and PlaceTool.
+// For MoveObject and PlaceTool.
 template <class Placing>
 Rigid3 poseOf(const Placing& command) noexcept {
   const auto& [x, y, z] = command.translation;
@@ -86,7 +86,7 @@ bool Session::apply(const Command& command) {
 bool Session::applyWithin(const Command& command) {
   if (!std::visit([this](const auto& c) { return perform(c); }, command)) return false;
 
-  // The object that is added to may be gone: better nothing than another one.
+  // The object for added material may be gone: rather none than another one.
   if (state_.adds_to >= state_.objects.size()) {
     state_.adds = Material::kNone;
     state_.adds_to = 0;
@@ -152,7 +152,7 @@ bool Session::perform(const MoveObject& command) noexcept {
 bool Session::perform(const FreezeObject& command) noexcept {
   if (command.object >= state_.objects.size() || hasFrozen()) return false;
   CutObject& object = state_.objects[command.object];
-  if (object.dirtyCount() > 0 && !object.repair()) return false;  // pieces take its shells over
+  if (object.dirtyCount() > 0 && !object.repair()) return false;  // pieces take over its shells
   object.freeze();
   return true;
 }
@@ -181,7 +181,7 @@ bool Session::canUndo() const noexcept {
   return !hasFrozen() && (history_.undoable() > 0 || history_.hasChanges(state_.objects));
 }
 
-// What was cut since the undo ends what could be redone.
+// A cut since the undo drops the steps to redo.
 bool Session::canRedo() const noexcept {
   return !hasFrozen() && !is_stroke_ && history_.redoable() > 0 && !history_.hasChanges(state_.objects);
 }
@@ -198,7 +198,7 @@ void Session::keepForGood() noexcept {
 
 // ---- Memory
 
-// Without memory shells stay as they are until there is some: the step says kStepBricksRanOut.
+// Without memory shells stay unchanged for now: the step reports kStepBricksRanOut.
 void Session::reserveBricks() {
   static_cast<void>(takeForgotten());
   for (CutObject& object : state_.objects)
@@ -222,7 +222,7 @@ void Session::splitWhenApart(int every_ticks, const PieceOptions& options) {
   watches_.clear();
 }
 
-// Of the object as it is now, brought up to date by the bricks that changed since the last call.
+// Finder of the current object, updated with the bricks changed since the last call.
 PieceFinder& Session::finderOf(std::size_t index, double crumb_mm3) {
   CutObject& object = state_.objects[index];
   if (watches_.size() <= index) watches_.resize(index + 1);
@@ -262,7 +262,7 @@ bool Session::split(std::size_t index, double crumb_mm3) {
   CutObject& whole = state_.objects[index];
   if (offered_ && offered_to_ == index) return putInPlace(index, *offered_);
   if (hasFrozen() && !whole.isFrozen()) return false;
-  // A piece takes its shells over: they must be those of its values.
+  // A piece takes over its shells: they must match its values.
   while (whole.dirtyCount() > 0 && !whole.repair())
     if (!whole.reserve(reserveFor(whole))) return false;
 
@@ -278,7 +278,7 @@ void Session::offer(std::size_t object, std::unique_ptr<ObjectPieces> made) noex
   offered_ = std::move(made);
 }
 
-// The part that may not allocate.
+// The part that must not allocate.
 bool Session::putInPlace(std::size_t index, ObjectPieces& made) noexcept {
   CutObject& whole = state_.objects[index];
   if (!made.parts && whole.freeBricks() < made.without_crumbs.size()) return false;
@@ -289,7 +289,7 @@ bool Session::putInPlace(std::size_t index, ObjectPieces& made) noexcept {
     state_.next_id += static_cast<std::uint32_t>(made.parts->parts);
     history_.split(state_.objects, index, std::move(made.parts));
     state_.forgetTurns();
-  } else {  // the stroke under way has done that, too
+  } else {  // part of the running stroke
     double removed = 0;
     for (const BrickEdit& edit : made.without_crumbs)
       whole.carve(whole.find(edit.brick), edit.phi.data(), *std::min_element(edit.phi.begin(), edit.phi.end()),
@@ -302,7 +302,7 @@ bool Session::putInPlace(std::size_t index, ObjectPieces& made) noexcept {
 
 void Session::splitWhatIsApart() {
   for (std::size_t n = state_.objects.size(); n-- > 0;) {
-    // Without a change there is nothing new to find.
+    // Skips objects without changes.
     if (n < watches_.size() && watches_[n] && state_.objects[n].changes(BrickSubscriber::kPieces).isEmpty()) continue;
     const PieceList& list = finderOf(n, piece_options_.crumb_mm3).find();
     if (list.pieces.size() + list.crumbs.size() > 1) apply(SplitObject{n, piece_options_.crumb_mm3});
@@ -315,7 +315,7 @@ void Session::markAll() noexcept {
   if (history_.hasChanges(state_.objects)) history_.mark(state_.objects);
 }
 
-// The tool runs down after this and may still cut: that belongs to the stroke, so its step is made later, by markAll().
+// The tool runs down after this and may still cut: that belongs to the stroke, so markAll() makes its step later.
 void Session::endStroke() noexcept {
   is_stroke_ = false;
   if (sink_) sink_->mark(StrokeMark::kEnd, state_.tick);
@@ -340,8 +340,8 @@ void Session::recordCheck(std::uint64_t tick) noexcept {
   is_check_due_ = false;
 }
 
-// To hash all bricks of a state takes much longer than a tick. So those at rest are hashed a few a tick, and a check
-// that finds more left than it can do waits for the next tick.
+// Hashing all bricks of a state takes much longer than a tick. So each tick hashes a few bricks at rest. A check with
+// too many left waits for the next tick.
 void Session::checkState(std::uint64_t tick) noexcept {
   if (!sink_) return;
   is_check_due_ |= state_.tick % kCheckEvery == 0;
@@ -385,14 +385,14 @@ void Session::tick(const DeviceSample& sample, StepOutput& output) {
   for (CutObject& object : state_.objects)
     if (needsBricks(object)) object.reserve(reserveFor(object));
 
-  // What is being added may not hang together yet.
+  // Added material may not hang together yet.
   const bool has_cut = state_.adds == Material::kNone && output.bricks_cut > 0;
   if (split_every_ > 0 && has_cut && ++ticks_cut_ >= split_every_) {
     ticks_cut_ = 0;
     splitWhatIsApart();
   }
 
-  // In lockstep nothing waits: a check that a long cut keeps putting off is done at any cost.
+  // Lockstep has no deadline: does a check at any cost if a long cut keeps delaying it.
   if (is_check_due_ && sink_ && state_.tick % kCheckEvery == kCheckEvery / 2) recordCheck(tick);
   checkState(tick);
 }

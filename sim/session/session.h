@@ -1,6 +1,6 @@
-// A session: the step, commands between ticks, undo, and a sink that is told of everything.
+// A session: the step, commands between ticks, undo, and a sink for all events.
 //
-// All that changes a session comes through apply() and tick(). The same calls, read from a log, give the same session
+// All changes of a session come through apply() and tick(). The same calls, read from a log, give the same session
 // again, bit for bit.
 #pragma once
 
@@ -17,13 +17,13 @@
 
 namespace kerf {
 
-/// Is told of everything, in the order in which it happens. Session::step() and applyWithin() call it on the 1 kHz
-/// thread: what such a sink does must be @rt.
+/// Receives all events in order. Session::step() and applyWithin() call it on the 1 kHz thread: such a sink must be
+/// @rt.
 class SessionSink {
  public:
   virtual ~SessionSink() = default;
   virtual void sample(const DeviceSample& sample, std::uint64_t tick) noexcept = 0;
-  /// A command that was done. Only a sink in lockstep may print it here.
+  /// A completed command. Only a sink in lockstep may print it here.
   virtual void command(const Command& command, std::uint64_t tick) noexcept = 0;
   virtual void mark(StrokeMark mark, std::uint64_t tick) noexcept = 0;
   virtual void check(const StateCheck& check, std::uint64_t tick) noexcept = 0;
@@ -35,23 +35,23 @@ class Session {
  public:
   /// @param sink  kept by reference, may be null.
   Session(Model model, LoadedObjects objects, const Rigid3& start, SessionSink* sink = nullptr);
-  /// Goes on from a snapshot. Undo leads back to it and no further. @param loaded  what its objects were made of.
+  /// Starts from a snapshot. Undo leads back to it and no further. @param loaded  the sources of its objects.
   Session(State state, Model model, LoadedObjects loaded, SessionSink* sink = nullptr);
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  // In lockstep: memory is reserved here, by the calling thread.
+  // In lockstep: the calling thread reserves memory here.
 
-  /// Does a command, between ticks; command.h says what each of them does. False: nothing is changed or recorded,
-  /// since there is nothing to do it to. Allocates, so not @rt.
+  /// Does a command, between ticks; see command.h. False: no target, nothing changed or recorded. Allocates, so not
+  /// @rt.
   bool apply(const Command& command);
   /// One tick. A stroke begins when the pedal goes down and ends when it comes up. Then reserves memory for the next
-  /// tick and searches for pieces, if that is wanted: allocates, so not @rt.
+  /// tick and, if enabled, searches for pieces: allocates, so not @rt.
   void tick(const DeviceSample& sample, StepOutput& output);
-  /// Undo leads back to here and no further. In a replay it may: what was not undone live is not undone there.
+  /// Undo leads back to here and no further. In a replay it may: it repeats the undos of the live session only.
   void keepForGood() noexcept;
-  /// Ends a stroke that is under way, and records the last check. No allocation.
+  /// Ends a running stroke, and records the last check. No allocation.
   void finish() noexcept;
 
   // The same for a thread that must not allocate: another one reserves bricks for it (CutObject::take()).
@@ -62,37 +62,36 @@ class Session {
   /// apply() within the bricks that are free; call repair() afterwards. Neither allocates nor prints.
   /// @rt  but Undo and Redo take some µs a brick, and SplitObject allocates unless its pieces were offered.
   bool applyWithin(const Command& command);
-  /// Brings the shells up to date after undo or redo. False: an object needs free bricks first; then call again. No
-  /// allocation.
+  /// Updates the shells after undo or redo. False: an object needs free bricks first; then call again. No allocation.
   bool repair() noexcept;
-  /// What the next SplitObject of this object is to put in its place. It was made while the object was frozen, and
-  /// nothing was done to the object since. @rt
+  /// Pieces for the next SplitObject of this object. They were made while the object was frozen, and the object has not
+  /// changed since. @rt
   void offer(std::size_t object, std::unique_ptr<ObjectPieces> made) noexcept;
-  /// The same back, used or not. @rt
+  /// Returns the offer, used or not. @rt
   std::unique_ptr<ObjectPieces> takeOffer() noexcept { return std::move(offered_); }
-  /// Splits that can not be brought back any more, to be destroyed where there is time. @rt
+  /// Splits beyond undo and redo, for destruction by another thread. @rt
   std::unique_ptr<Split> takeForgotten() noexcept { return history_.takeForgotten(); }
-  /// Whether Undo, Redo would be done now. @rt
+  /// Whether Undo, Redo would have an effect now. @rt
   bool canUndo() const noexcept;
   bool canRedo() const noexcept;
   /// The steps that Undo and Redo take, and the last of them. @rt  @cost below 1 µs.
   UndoList undoList() const noexcept { return history_.list(state_.objects); }
-  /// Whether something could be redone that a split would end. @rt
+  /// Whether a split would lose steps to redo. @rt
   bool wouldLoseRedo() const noexcept { return history_.redoable() > 0 && !history_.hasChanges(state_.objects); }
   /// For reserving bricks and exporting changed ones.
   CutObject& object(std::size_t n) noexcept { return state_.objects[n]; }
 
   // Snapshots and pieces, in lockstep.
 
-  /// Gives the sink a snapshot when a stroke begins, if so many ticks have gone by since the last one; 0: never. In
+  /// Gives the sink a snapshot at the start of a stroke, if so many ticks have gone by since the last one; 0: never. In
   /// lockstep only: a changed brick takes some µs.
   void snapshotEvery(std::uint64_t ticks) { snapshot_every_ = ticks; }
-  /// Between two strokes. @pre the pedal is up: what was cut so far is a step of undo of its own.
+  /// Between two strokes. @pre the pedal is up. The cut so far becomes an undo step of its own.
   std::vector<std::byte> snapshot();
-  /// Searches for pieces every so many ticks in which something was cut, and splits what is in pieces; 0: never. In
-  /// lockstep only: it takes milliseconds. A replay does not need it: it follows the recorded commands.
+  /// Searches for pieces every so many cutting ticks, and splits an object in pieces; 0: never. In lockstep only: it
+  /// takes milliseconds. A replay does not need it: it follows the recorded commands.
   void splitWhenApart(int every_ticks, const PieceOptions& options = {});
-  /// What was dropped as crumbs so far. An undo does not take it off this count.
+  /// Crumbs dropped so far. Undo does not reduce this count.
   struct Crumbs {
     std::size_t count = 0;
     SolidMeasure measure;
@@ -101,17 +100,17 @@ class Session {
 
   const Model& model() const { return model_; }
   const State& state() const { return state_; }
-  /// What the objects of the scene were made of, in the order of the beginning: `state().objects` are pieces of these.
+  /// The loaded objects, in the order of the beginning: `state().objects` are pieces of these.
   const LoadedObjects& loaded() const { return loaded_; }
-  /// Which of loaded() an object is, or is a piece of. @rt
+  /// Index in loaded() of an object, or of its parent. @rt
   std::size_t loadedIndexOf(const CutObject& object) const noexcept;
   std::uint64_t hash() const { return state_.hash(); }
 
   /// Ticks between two state checks in the log. In step() a check waits until few enough bricks changed right before
   /// it, if need be to the end of the cut; in tick() for half as long again at most.
   static constexpr std::uint64_t kCheckEvery = 1000;
-  /// Bricks that are reserved for an object at a time: kReserve, less for a small one. Every tick begins with half of
-  /// that free at least, live and replayed: a tick that needs no more changes the same bricks in both.
+  /// Bricks to reserve for an object at a time: kReserve, less for a small one. Every tick begins with at least half of
+  /// that free, live and replayed: a tick that needs no more changes the same bricks in both.
   static std::size_t reserveFor(const CutObject& object) noexcept {
     return std::min(kReserve, object.bricks().brickCount() + 1024);
   }
@@ -120,7 +119,7 @@ class Session {
  private:
   struct Watch;  // the pieces of one object
 
-  // One for each alternative of Command; false: there is nothing to do it to.
+  // One for each alternative of Command; false: no target.
   bool perform(const SelectTool& command) noexcept;
   bool perform(const Undo& command) noexcept;
   bool perform(const Redo& command) noexcept;
@@ -158,7 +157,7 @@ class Session {
   std::uint64_t last_snapshot_ = 0;
 
   // Pieces.
-  std::vector<std::unique_ptr<Watch>> watches_;  // one an object, made when asked for
+  std::vector<std::unique_ptr<Watch>> watches_;  // one an object, made on demand
   PieceOptions piece_options_;
   int split_every_ = 0;
   int ticks_cut_ = 0;
@@ -167,10 +166,10 @@ class Session {
   Crumbs crumbs_;
 };
 
-/// What a replay needs to know beside case and tool: settings, tissues, drives, all numbers as they were.
+/// Data that a replay needs beside case and tool: settings, tissues, drives, all numbers unchanged.
 SessionHeader describe(const Session& session);
-/// Puts the numbers of a header into a model whose tools are made already. Error kBadValue: a value is missing, no
-/// number, or out of range.
+/// Puts the numbers of a header into a model whose tools exist. Error kBadValue: a value is missing, no number, or out
+/// of range.
 Expected<void> restoreSettings(const SessionLog& log, const std::string& file, Model& model, Rigid3& start);
 
 }  // namespace kerf

@@ -1,4 +1,4 @@
-// The bytes of a session log, versions 1 and 2: what its writer, reader and recorder agree on.
+// The bytes of a session log, versions 1 and 2, shared by its writer, reader and recorder.
 // docs/reference/file-formats.md has them.
 #pragma once
 
@@ -13,8 +13,8 @@
 namespace kerf::internal {
 
 inline constexpr std::array<char, 8> kLogMagic = {'K', 'E', 'R', 'F', 'L', 'O', 'G', '\n'};
-inline constexpr std::uint32_t kLogVersion = 2;        // that is written
-inline constexpr std::uint32_t kOldestLogVersion = 1;  // that is read: without packed samples
+inline constexpr std::uint32_t kLogVersion = 2;        // written version
+inline constexpr std::uint32_t kOldestLogVersion = 1;  // oldest readable version: without packed samples
 inline constexpr std::size_t kFileHead = 16;           // magic, version, length of the text block
 inline constexpr std::size_t kRecordHead = 20;         // kind, length, tick, checksum
 inline constexpr std::size_t kChecksum = 4;
@@ -27,8 +27,8 @@ enum RecordKind : std::uint32_t {
   kStrokeRecord = 5,
   kGapRecord = 6,
   kEndRecord = 7,
-  kPackedSamplesRecord = 8,  // since version 2, in the place of kSamplesRecord
-  kMaySkip = 0x80000000u     // set in kinds that a reader may skip when it does not know them
+  kPackedSamplesRecord = 8,  // since version 2, replaces kSamplesRecord
+  kMaySkip = 0x80000000u     // set in kinds that a reader may skip if unknown
 };
 
 inline constexpr std::size_t kSampleBytes = 9 * 8 + 4;
@@ -52,7 +52,7 @@ class BytePacker {
   std::byte* to_;
 };
 
-/// The way back. @pre the bytes are there.
+/// Inverse. @pre the bytes are there.
 class ByteUnpacker {
  public:
   explicit ByteUnpacker(const std::byte* from) : from_(from) {}

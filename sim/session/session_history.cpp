@@ -10,7 +10,7 @@ bool isSamePose(const Rigid3& a, const Rigid3& b) {
   return a.translation == b.translation && a.rotation.coeffs() == b.rotation.coeffs();
 }
 
-// What lies between two states of a ledger.
+// Adds the difference of two states of a ledger.
 void addTo(UndoStep& step, const Ledger& before, const Ledger& after) noexcept {
   for (std::size_t m = 0; m < before.removed.size(); ++m) {
     step.removed_mm3 += after.removed[m] - before.removed[m];
@@ -30,7 +30,7 @@ SessionHistory::SessionHistory(std::vector<CutObject>& objects) {
   steps_.reserve(kMostSteps);
   now_.reserve(kMostObjects);
   for (CutObject& object : objects) {
-    static_cast<void>(object.strokes().end());  // what was written before this is not to be taken back
+    static_cast<void>(object.strokes().end());  // undo does not reach earlier writes
     now_.push_back(trackedState(object));
   }
 }
@@ -42,7 +42,7 @@ bool SessionHistory::hasChanges(const std::vector<CutObject>& objects) const noe
 }
 
 void SessionHistory::forgetRedo(std::vector<CutObject>& objects) noexcept {
-  // Behind a split that was undone other objects had the numbers: their records go with them.
+  // After an undone split other objects had these numbers: drops their records too.
   const std::size_t known = objects.size();
   std::size_t split_at = objects.size();
   bool is_split = false;
@@ -71,11 +71,11 @@ void SessionHistory::forget(std::unique_ptr<Split> split) noexcept {
   forgotten_ = std::move(split);
 }
 
-// Its bricks stay as they are, for good.
+// Makes its bricks permanent.
 void SessionHistory::forgetOldest() noexcept {
   if (floor_ > 0) {
     --floor_;
-  } else if (steps_.size() > 1 && steps_[1].joins_last) {  // the rest of it can still be undone
+  } else if (steps_.size() > 1 && steps_[1].joins_last) {  // undo still covers the rest of it
     steps_[1].what.number = steps_[0].what.number;
     steps_[1].what.origin = steps_[0].what.origin;
   } else {
@@ -136,7 +136,7 @@ void SessionHistory::split(std::vector<CutObject>& objects, std::size_t index, s
   step.split = std::move(split);
   step.split->index = index;
   swapSplit(objects, *step.split, false);
-  // What the stroke that cut through goes on to cut is still the same stroke.
+  // Later cuts of the stroke that cut through belong to the same stroke.
   joins_next_ = true;
   is_open_ = true;
 }

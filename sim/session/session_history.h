@@ -1,8 +1,8 @@
 // Undo and redo of a session: which versions of which bricks belong to each stroke; moves and splits of objects.
 //
 // For the thread that owns the objects, between ticks. A brick that changes in a stroke gets a version of its own out
-// of the object's pool (CutObject::write). So the end of a stroke, and of what could be redone, costs a few pointers:
-// no allocation, no lock. Undo and redo themselves take time with the stroke's size.
+// of the object's pool (CutObject::write). So ending a stroke, and dropping steps to redo, costs a few pointers: no
+// allocation, no lock. Undo and redo themselves take time with the stroke's size.
 #pragma once
 
 #include <array>
@@ -15,53 +15,51 @@
 
 namespace kerf {
 
-/// When a step of undo began, and with which tool.
+/// Begin and tool of an undo step.
 struct StepOrigin {
   std::uint64_t tick = 0;
   std::size_t tool = 0;  ///< index into Model::tools
   bool operator==(const StepOrigin&) const = default;
 };
 
-/// What one undo takes back: a stroke with the splits it led to, or the move of an object.
+/// One undo step: a stroke with its splits, or the move of an object.
 struct UndoStep {
   enum class Kind : std::uint8_t { kStroke, kMove };
-  std::uint64_t number = 0;  ///< 1 is the first of the session; later steps have larger ones, none comes twice
+  std::uint64_t number = 0;  ///< 1 is the first of the session; numbers increase and never repeat
   StepOrigin origin;
   Kind kind = Kind::kMove;
   double removed_mm3 = 0, added_mm3 = 0;
   bool operator==(const UndoStep&) const = default;
 };
 
-/// What undo and redo lead to: how many steps there are, and the last of them. A value of fixed size.
+/// Steps for undo and redo: their numbers, and the last of them. A value of fixed size.
 struct UndoList {
   static constexpr std::size_t kMostNewest = 8;
 
-  std::size_t undoable = 0, redoable = 0;  ///< so many Undo, Redo would be done now
-  std::uint64_t forgotten = 0;             ///< steps that can not be undone any more: kMostSteps
+  std::size_t undoable = 0, redoable = 0;  ///< possible Undo, Redo commands now
+  std::uint64_t forgotten = 0;             ///< steps too old for undo: kMostSteps
   std::array<UndoStep, kMostNewest> newest{};
-  std::size_t newest_count = 0;  ///< of `newest`: the last of all steps, those to redo among them, oldest first
+  std::size_t newest_count = 0;  ///< of `newest`: the last of all steps, those to redo included, oldest first
   bool operator==(const UndoList&) const = default;
 };
 
 class SessionHistory {
  public:
-  /// @param objects  those of the session, as they are now: what undo leads back to at last.
+  /// @param objects  of the session, now: the state before the first step.
   explicit SessionHistory(std::vector<CutObject>& objects);
 
-  /// Something was written or moved since the last mark. @rt
+  /// Bricks or poses changed since the last mark. @rt
   bool hasChanges(const std::vector<CutObject>& objects) const noexcept;
-  /// Makes all that changed since the last mark one step of undo, even if that is nothing. Forgets what could be
-  /// redone. @rt
+  /// Makes one undo step of all changes since the last mark, even if there are none. Forgets the steps to redo. @rt
   /// @pre every object has a free record; without one its part of the stroke stays for the next mark.
   void mark(std::vector<CutObject>& objects) noexcept;
-  /// Puts the parts in the place of objects[index]: the first there, the others at the end. A step of its own, undone
-  /// together with the one marked before it, unless close() lies between. @pre everything is marked; not more than
-  /// kMostObjects result. @rt
+  /// Replaces objects[index] by the parts: the first there, the others at the end. A step of its own, undone together
+  /// with the one marked before it, unless close() lies between. @pre everything is marked; not more than kMostObjects
+  /// result. @rt
   void split(std::vector<CutObject>& objects, std::size_t index, std::unique_ptr<Split> split) noexcept;
-  /// Splits that can neither be undone nor redone any more: to be destroyed where there is time. @rt
+  /// Splits beyond undo and redo, for destruction by another thread. @rt
   std::unique_ptr<Split> takeForgotten() noexcept { return std::move(forgotten_); }
-  /// What changes next is a stroke of its own, which begins there. What is cut after a split and before this belongs to
-  /// the stroke before.
+  /// Starts a new stroke with the next change. Changes after a split and before this call belong to the stroke before.
   void close(const StepOrigin& next = {}) noexcept {
     joins_next_ = false;
     is_open_ = false;
@@ -74,26 +72,26 @@ class SessionHistory {
   bool redo(std::vector<CutObject>& objects) noexcept;
   /// Strokes and splits, each counted: an undo may take several of them.
   std::size_t undoable() const noexcept { return done_ - floor_; }
-  /// The steps that undo and redo take. What changed since the last mark is one of them. @rt  @cost below 1 µs.
+  /// Steps for undo and redo, including the changes since the last mark. @rt  @cost below 1 µs.
   UndoList list(const std::vector<CutObject>& objects) const noexcept;
-  /// What was done so far can not be undone. @pre everything is marked; nothing can be redone.
+  /// Makes all steps so far permanent. @pre everything is marked; nothing can be redone.
   void keepForGood() noexcept {
     floor_ = done_;
     undo_steps_ = 0;
   }
   std::size_t redoable() const noexcept { return steps_.size() - done_; }
-  /// Bytes in the versions of bricks that are kept.
+  /// Bytes of the kept brick versions.
   std::size_t bytes() const noexcept;
 
-  /// So many strokes and splits can be undone; older ones are forgotten.
+  /// Most strokes and splits to undo; older ones are forgotten.
   static constexpr std::size_t kMostSteps = 16384;
 
  private:
   struct Step {
-    LinkedList<StrokeRecord> records;  // of the objects that were changed; in their pools
+    LinkedList<StrokeRecord> records;  // of the changed objects; in their pools
     std::unique_ptr<Split> split;
     bool joins_last = false;  // undone together with the step before it
-    UndoStep what;            // its number and origin: of the first of those that are undone together
+    UndoStep what;            // number and origin: of the first of those that are undone together
   };
 
   void forgetRedo(std::vector<CutObject>& objects) noexcept;
@@ -111,7 +109,7 @@ class SessionHistory {
   std::size_t floor_ = 0;  // undo leads back to these
   bool joins_next_ = false;
   bool is_open_ = false;  // something was marked since close()
-  StepOrigin next_;       // of what changes next
+  StepOrigin next_;       // of the next change
   std::uint64_t made_ = 0, forgotten_steps_ = 0;
   std::size_t undo_steps_ = 0, redo_steps_ = 0;
   std::unique_ptr<Split> forgotten_;

@@ -16,8 +16,8 @@ namespace {
 
 using namespace internal;
 
-// One log being read. The checksums run on from one to the next, so bytes that were left out, doubled or swapped as
-// whole records are found as well as flipped bits.
+// Reads one log. Each checksum continues the previous one. This detects omitted, doubled or swapped records as well as
+// flipped bits.
 class Parser {
  public:
   Parser(std::span<const std::byte> bytes, const std::string& name) : bytes_(bytes), name_(name) {}
@@ -25,7 +25,7 @@ class Parser {
   Expected<SessionLog> parse() {
     KERF_CHECK(header());
     if (version_ == kOldestLogVersion)
-      log_.samples.reserve(left() / kSampleBytes);  // no more can be there; what is not is never touched
+      log_.samples.reserve(left() / kSampleBytes);  // upper bound; unused memory is never touched
     while (at_ < bytes_.size() && !log_.damage) KERF_CHECK(record());
     return std::move(log_);
   }
@@ -52,7 +52,7 @@ class Parser {
   }
   Expected<void> damaged(std::string what) { return stop(LogDamage::Kind::kDamaged, std::move(what)); }
 
-  // Whether the checksum at `at` is right for what was read since the one before.
+  // Whether the checksum at `at` is right for the bytes since the previous one.
   bool agrees(std::span<const std::byte> read, std::size_t at) {
     checksum_ = checksum(checksum_, read);
     return ByteUnpacker(bytes_.data() + at).u32() == checksum_;
@@ -73,7 +73,7 @@ class Parser {
     return {};
   }
 
-  // The length of the header's texts; header and checksum are there then.
+  // The length of the header's texts, after checking that header and checksum are complete.
   Expected<std::size_t> fileHead() {
     const std::size_t start = std::min(bytes_.size(), kLogMagic.size());
     if (start == 0 || std::memcmp(bytes_.data(), kLogMagic.data(), start) != 0)
@@ -125,7 +125,7 @@ class Parser {
     const auto payload = bytes_.subspan(begin, length);
     if (!agrees(payload, begin + length)) return damaged("the checksum of a record does not fit");
 
-    // The record is as it was written: what is wrong from here on is no damage, but was written so.
+    // The record is intact: errors from here on were written so, they are no damage.
     if (!take(kind, tick, payload)) {
       if (has_too_many_)
         return refuse(Error::Code::kBadValue, at_,
@@ -151,7 +151,7 @@ class Parser {
     return true;
   }
 
-  // False: not a record we know, or not one that makes sense.
+  // False: an unknown or invalid record.
   bool take(std::uint32_t kind, std::uint64_t tick, std::span<const std::byte> payload) {
     ByteUnpacker in(payload.data());
     switch (kind) {
@@ -285,7 +285,7 @@ Expected<SessionSnapshot> packSnapshot(std::span<const std::byte> bytes) {
     SessionSnapshot snapshot{bytes.size(), std::vector<std::byte>(size)};
     if (::compress2(reinterpret_cast<Bytef*>(snapshot.packed.data()), &size,
                     reinterpret_cast<const Bytef*>(bytes.data()), bytes.size(), Z_BEST_SPEED) != Z_OK)
-      throw std::bad_alloc();  // the only reason left: level and size of the buffer are right
+      throw std::bad_alloc();  // the only possible reason: level and size of the buffer are right
     snapshot.packed.resize(size);
     return snapshot;
   } catch (const std::bad_alloc&) {

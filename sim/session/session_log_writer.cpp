@@ -32,7 +32,7 @@ Error writeError(const std::string& file, const char* step, int reason) {
 }
 
 void append(std::vector<std::byte>& to, std::span<const std::byte> bytes) {
-  // Not insert(): g++ 12 warns of an overflow in it that cannot be.
+  // Not insert(): g++ 12 warns of an impossible overflow in it.
   to.resize(to.size() + bytes.size());
   std::copy(bytes.begin(), bytes.end(), to.end() - static_cast<std::ptrdiff_t>(bytes.size()));
 }
@@ -99,7 +99,7 @@ tl::unexpected<Error> SessionLogWriter::failed(const char* step, int reason) {
 
 void SessionLogWriter::addRecord(std::uint32_t kind, std::uint64_t tick, std::span<const std::byte> payload) {
   assert(payload.size() <= std::numeric_limits<std::uint32_t>::max());
-  if (error_) return;  // nothing more will be written: nothing more is kept
+  if (error_) return;  // writing has ended: nothing is kept
   std::array<std::byte, kRecordHead - kChecksum> head;
   BytePacker(head.data()).u32(kind).u32(static_cast<std::uint32_t>(payload.size())).u64(tick);
   checksum_ = checksum(checksum_, head);
@@ -174,7 +174,7 @@ Expected<void> SessionLogWriter::write() {
   pending_.clear();
   record_ends_.clear();
   if (reason == 0) return {};
-  // The part of a record that still fitted goes. Where it cannot be cut off, readers stop before it.
+  // Cuts off an incomplete record. If that fails, readers stop before it.
   if (::ftruncate(fd_, static_cast<off_t>(written_)) != 0) errno = 0;
   return failed("writing the log", reason);
 }

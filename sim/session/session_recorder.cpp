@@ -18,13 +18,13 @@ using namespace internal;
 
 constexpr std::size_t kMostPayload = std::max(kSampleBytes, kCheckBytes);
 
-// One thing to be recorded, packed by the thread that hands it over: a fixed size, so that nothing is allocated.
+// One entry to record, packed by the calling thread: a fixed size, so that nothing is allocated.
 struct Entry {
   RecordKind kind = kSamplesRecord;
   std::uint32_t size = 0;
   std::uint64_t tick = 0;
-  std::uint64_t lost_before = 0;                // entries that found the queue full since the one before
-  std::array<std::byte, kMostPayload> payload;  // of which `size` bytes count; the rest is left as it is
+  std::uint64_t lost_before = 0;                // entries lost to a full queue since the previous one
+  std::array<std::byte, kMostPayload> payload;  // `size` bytes are valid
   Command command;                              // of a command record: printed by the recording thread
 };
 static_assert(sizeof(Entry) == 176, "RecorderOptions::queue_capacity says so");
@@ -76,7 +76,7 @@ struct SessionRecorder::State {
   mutable std::mutex mutex;
   std::condition_variable wake;
   bool is_closing = false;
-  RecorderStatus published;           // all of it but `recorded` and `lost`
+  RecorderStatus published;           // everything but `recorded` and `lost`
   std::uint64_t entries_written = 0;  // before the file failed
   std::thread writing, syncing;
 };
@@ -126,7 +126,7 @@ void SessionRecorder::State::take(const Entry& entry) {
 }
 
 Expected<void> SessionRecorder::State::drain() {
-  // No more than was there at the beginning: a faster producer must not keep this from ever being written.
+  // Only the entries present at the beginning: a faster producer must not delay the write forever.
   Entry entry;
   for (std::size_t n = queue.read_available(); n > 0 && queue.pop(entry); --n) {
     take(entry);
@@ -267,7 +267,7 @@ RecorderStatus SessionRecorder::status() const {
   RecorderStatus status = state_->published;
   status.recorded = state_->recorded.load(std::memory_order_relaxed);
   status.lost = state_->lost.load(std::memory_order_relaxed);
-  // What waited when the file failed is lost as well.
+  // Entries that waited when the file failed are lost as well.
   if (status.error) status.lost += status.recorded - state_->entries_written;
   return status;
 }

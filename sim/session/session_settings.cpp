@@ -10,7 +10,7 @@
 namespace kerf {
 namespace {
 
-/// Numbers by name, for writing and for reading alike: one list, so that neither forgets one.
+/// Numbers by name, one list for writing and reading, so that both stay complete.
 template <class Visit>
 void visitNumbers(StepSettings& s, const Visit& visit) {
   CouplingSettings& c = s.coupling;
@@ -51,7 +51,7 @@ std::string numbers(std::initializer_list<double> values) {
   return out;
 }
 
-// As many numbers as `out` has, parted by spaces, and nothing behind them.
+// Exactly as many numbers as `out` has, separated by spaces.
 bool parseNumbers(std::string_view text, std::span<double> out) {
   const char* at = text.data();
   const char* const end = at + text.size();
@@ -64,7 +64,7 @@ bool parseNumbers(std::string_view text, std::span<double> out) {
   return at == end;
 }
 
-// Reads the numbers of a header, and keeps the key of the first that is missing or out of range.
+// Reads the numbers of a header, and keeps the first key that is missing or out of range.
 class HeaderReader {
  public:
   explicit HeaderReader(const SessionLog& log) : log_(log) {}
@@ -86,7 +86,7 @@ class HeaderReader {
 };
 
 void readSettings(HeaderReader& header, StepSettings& settings) {
-  // Before logs named these there was nothing else.
+  // Defaults for older logs, which lack these.
   settings.response = Response::kPenalty;
   settings.restitution = 0;
   visitNumbers(settings, [&](const std::string& key, double& value) {
@@ -131,7 +131,7 @@ void readDrives(HeaderReader& header, Model& model) {
   }
 }
 
-// A number that came from a file is a claim.
+// Numbers from a file need checking.
 void requireInRange(HeaderReader& header, const StepSettings& s, const Rigid3& start) {
   header.require(s.most_substeps >= 1 && s.most_substeps <= 1000, "most_substeps");
 

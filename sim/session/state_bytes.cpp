@@ -50,7 +50,7 @@ class Writer {
   }
 };
 
-// After the end it gives zeros and says so in `is_good`, which is to be asked after each part.
+// After the end it gives zeros and clears `is_good`; check that after each part.
 class Reader {
  public:
   explicit Reader(std::span<const std::byte> from) : from_(from) {}
@@ -74,7 +74,7 @@ class Reader {
     p.translation = vec();
     return p;
   }
-  /// A number of things of at least `bytes_each` bytes that can still follow; a larger one is refused.
+  /// Reads a count of things of at least `bytes_each` bytes that can still follow; fails for a larger one.
   std::size_t count(std::size_t bytes_each) {
     const std::uint64_t claimed = u64();
     if (claimed > (from_.size() - at_) / bytes_each) is_good = false;
@@ -121,7 +121,7 @@ void packObject(const CutObject& object, const ContactTurns& turns, std::size_t 
     to.f64(object.added_mm3[m]);
   }
 
-  // Which bricks a piece began with; then, for any object, those of air that it took on.
+  // A piece's first bricks; then, for any object, air bricks that it took on.
   const auto putBricks = [&](int begin, int end) {
     std::uint64_t count = 0;
     for (int n = begin; n < end; ++n) count += object.bricks().has(n);
@@ -132,7 +132,7 @@ void packObject(const CutObject& object, const ContactTurns& turns, std::size_t 
   if (object.bricks().isPiece()) putBricks(0, object.bricks().firstSlotCount());
   putBricks(object.bricks().firstSlotCount(), object.slotCount());
 
-  // Values and materials that are not as loaded.
+  // Values and materials that differ from the loaded ones.
   std::vector<int> changed;
   for (int n = 0; n < object.slotCount(); ++n)
     if (object.slot(n).own && (std::memcmp(object.slot(n).own, object.slot(n).baked, sizeof(BrickValues)) != 0 ||
@@ -179,7 +179,7 @@ std::vector<ChangedBrick> readChanged(Reader& from) {
   return out;
 }
 
-// The bricks of a piece as makePiece() wants them; empty if `whole` has not all of them, or one is there twice.
+// The bricks of a piece in the form for makePiece(); empty if `whole` lacks any, or one is there twice.
 PieceBricks pieceOf(CutObject& whole, std::vector<Vec3i> bricks, const std::vector<ChangedBrick>& changed) {
   const auto isBefore = [](const Vec3i& a, const Vec3i& b) { return coordKey(a) < coordKey(b); };
   std::sort(bricks.begin(), bricks.end(), isBefore);
@@ -205,7 +205,7 @@ PieceBricks pieceOf(CutObject& whole, std::vector<Vec3i> bricks, const std::vect
   return out;
 }
 
-// Nothing: the bytes do not describe such an object.
+// Null: the bytes do not describe such an object.
 // @param turns  of the object.
 std::optional<CutObject> unpackObject(Reader& from, const LoadedObjects& loaded, ContactTurns& turns) {
   // All of its bytes.
@@ -256,7 +256,7 @@ std::optional<CutObject> unpackObject(Reader& from, const LoadedObjects& loaded,
   while (!object.repair())
     if (!object.reserve(1024)) return {};
 
-  object.strokes().end();  // it begins like this: nothing to undo
+  object.strokes().end();  // initial state: nothing to undo
   object.T_world_object = pose;
   object.id = id;
   object.core_load = core_load;
@@ -270,7 +270,7 @@ std::optional<CutObject> unpackObject(Reader& from, const LoadedObjects& loaded,
   return object;
 }
 
-// All that is not in its objects, in this order.
+// Everything outside the objects, in this order.
 void packHead(const State& state, Writer& to) {
   to.u64(state.tick);
   to.u64(state.tool);
@@ -331,7 +331,7 @@ bool isHeadUsable(const State& s) {
          s.body.pose.isUsable() && s.device.pose.isUsable();
 }
 
-// Ids are different and below next_id, and at most one object is frozen. The first for which that is false.
+// The first object that breaks a rule: ids are unique and below next_id, and at most one object is frozen.
 std::optional<std::size_t> firstThatClashes(const State& state) {
   for (std::size_t n = 0; n < state.objects.size(); ++n) {
     const CutObject& object = state.objects[n];

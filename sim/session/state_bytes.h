@@ -1,5 +1,5 @@
-// The state of a session as bytes: what a snapshot in its log holds, and from which a replay can start. Only what
-// differs from the objects as loaded is in it. Byte by byte in docs/reference/file-formats.md.
+// The state of a session as bytes: the content of a snapshot, from which a replay can start. Holds only the differences
+// from the objects as loaded. Byte by byte in docs/reference/file-formats.md.
 #pragma once
 
 #include <cstddef>
@@ -14,15 +14,15 @@
 namespace kerf {
 
 /// The same state gives the same bytes. Allocates; 3 KB a changed brick.
-/// @param loaded  what the session's objects were made of; pieces are of one of them, too.
+/// @param loaded  the loaded objects; pieces belong to one of them, too.
 std::vector<std::byte> packState(const State& state, const LoadedObjects& loaded);
 
-/// Whether the bytes are what packState() of this version gives: others can be neither read nor compared.
+/// Whether packState() of this version made the bytes: others can be neither read nor compared.
 bool isStateOfThisVersion(std::span<const std::byte> bytes);
 
-/// A state that goes on as the packed one did, bit for bit: tools, objects, pieces, forces. What could be undone is not
-/// in it. Lengths are claims: no list is made longer than the bytes that follow. Each of the (at most kMostObjects)
-/// objects is as large as the loaded one it is of, as in the session that was packed.
+/// A state that continues the packed one, bit for bit: tools, objects, pieces, forces. Undo steps are not in it.
+/// Lengths are claims: no list is made longer than the bytes that follow. Each of the (at most kMostObjects) objects is
+/// as large as its loaded object, as in the packed session.
 /// @param file  named in errors. Errors: bytes of another version, cut short, or that fit other objects.
 Expected<State> unpackState(std::span<const std::byte> bytes, const LoadedObjects& loaded, const std::string& file);
 

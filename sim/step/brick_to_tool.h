@@ -1,4 +1,4 @@
-// Where the bricks of an object and their nodes lie: seen from the tool, and from a point of the object.
+// Places of an object's bricks and nodes, in the tool's frame and relative to a point of the object.
 #pragma once
 
 #include <cmath>
@@ -30,15 +30,15 @@ inline Vec3d centerOf(const Vec3i& brick, int nodes, double h) {
 /// From that centre to the farthest node, mm.
 inline double radiusOf(int nodes, double h) { return 0.5 * std::sqrt(3.0) * (nodes - 1) * h; }
 
-/// A part of a clearance, from half of it on, that differs from brick to brick: what fell asleep in one tick does not
-/// all wake in one.
+/// Between half and all of a clearance, different for each brick: bricks that fell asleep in one tick do not all wake
+/// in one tick.
 inline double staggered(double clearance, int slot) {
   const std::uint32_t scattered = static_cast<std::uint32_t>(slot) * 2654435769u;  // over the golden ratio
   return clearance * (0.5 + 0x1p-33 * scattered);
 }
 
-/// The brick that a point of the object's frame lies in; at most one brick outside of first..last. Clamped before it
-/// becomes an integer: a tool may be anywhere.
+/// The brick around a point of the object's frame; at most one brick outside of first..last. Clamped before conversion
+/// to an integer, because a tool may be anywhere.
 inline Vec3i brickAround(const Vec3d& p, double h, const Vec3i& first, const Vec3i& last) {
   const Vec3d brick = (p / (8 * h)).array().floor();
   return brick.cwiseMax((first - Vec3i::Ones()).cast<double>())

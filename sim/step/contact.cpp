@@ -16,8 +16,8 @@ Eigen::Matrix3d crossMatrix(const Vec3d& v) {
   return m;
 }
 
-// Sums the nodes of one object that overlap the tool. Nodes of whatever brick are gathered until there are enough for
-// the vector loops: tau a step further inwards, for its slope, and the sums themselves.
+// Sums the nodes of one object that overlap the tool. Gathers nodes of any brick until there are enough for the vector
+// loops: tau one step further inwards, for its slope, and the sums themselves.
 class NodeSums {
  public:
   NodeSums(const CutObject& object, const ContactInput& in)
@@ -76,7 +76,7 @@ class NodeSums {
     if (++found_.count == kGather) flush();
   }
 
-  // Sums what is gathered; once more at the end.
+  // Sums the gathered nodes; called once more at the end.
   void flush() {
     if (found_.count == 0) return;
     const int padded = pad();
@@ -107,7 +107,7 @@ class NodeSums {
 
   using Row = internal::TouchingNodes::Row;
 
-  // The tool's distances at all nodes' places.
+  // The tool's distances at the places of all nodes.
   void lookUp(const ToolField& field, const Row (&at)[3], Row& out) const {
     field.distances(at[0].data(), at[1].data(), at[2].data(), out.data(), found_.count);
   }
@@ -198,7 +198,7 @@ class NodeSums {
   std::array<float, 256> area_of_{};
   internal::TouchingNodes found_;
   internal::TouchingPlaces places_;
-  Row phi_, tau_, cut_in_, body_in_;  // of `found_`; the last two at places_.inwards
+  Row phi_, tau_, cut_in_, body_in_;  // of found_; the last two at places_.inwards
   bool any_body_ = false, any_cut_ = false;
 };
 

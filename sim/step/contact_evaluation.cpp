@@ -8,9 +8,9 @@
 namespace kerf {
 namespace {
 
-constexpr double kMostRelaxed = 4;  // rate times time, at which all but 2 % of an overlap is gone
+constexpr double kMostRelaxed = 4;  // rate times time at which all but 2 % of an overlap is gone
 
-// Counts the cut of a turn. Before its force the shells of its groups must be up to date.
+// Counts the cut of a turn. The next turn repairs the shells of its groups before the force.
 void finishTurn(const CutResult& cut, ContactEvaluation& out) {
   out.removed_mm3 += cut.removed_mm3;
   out.bricks_cut += cut.bricks;
@@ -19,13 +19,13 @@ void finishTurn(const CutResult& cut, ContactEvaluation& out) {
 
 constexpr double kSlow = 0.1;  // of a drive's free speed
 
-// A drill's lips have a law of feed and thrust, not of work. What runs the wrong way round cuts nothing.
+// A drill's lips have a law of feed and thrust, not of work. A tool that turns the wrong way cuts nothing.
 bool paysByWork(const ContactInput& in) {
   return !in.geometry_only && !in.tool->lips.areThere() && in.tool->drive.speed > 0 && !internal::onlyRubs(in);
 }
 
-// The areas of what is cut, as far as something was cut of late and the drive turns: at rest a tool presses by the
-// areas as they are, and the force must not jump where a drive comes to rest.
+// Corrects the areas of cut nodes, as far as there was a recent cut and the drive turns. At rest a tool presses by the
+// plain areas, and the force must not jump when a drive comes to rest.
 void correctAreas(const CutObject& object, ContactInput& in) {
   if (!paysByWork(in)) return;
   const double h = object.voxel();
@@ -33,8 +33,9 @@ void correctAreas(const CutObject& object, ContactInput& in) {
   in.area_scale = 1 + in.cut_share * (object.cut_area.scale(h) - 1);
 }
 
-// What was removed, against the areas of the shell. The load of the core erodes too: beside the shell's, in proportion.
-// Where something forbade the cut, or the core's load asked for more than there was, the areas are not to blame.
+// Compares the removed volume with the areas of the shell. The load of the core erodes too: beside the shell's, in
+// proportion. Does not blame the areas if the cut was prevented, or if the core's load asked for more overlap than
+// there was.
 void learnArea(CutObject& object, const ContactInput& in, const ContactSums& sums, const CutResult& cut) {
   if (in.geometry_only || cut.pool_ran_out) return;
   const bool is_slow = std::abs(in.speed) < kSlow * in.tool->drive.speed;
@@ -43,7 +44,7 @@ void learnArea(CutObject& object, const ContactInput& in, const ContactSums& sum
     return;
   }
 
-  // The sums have the core's load by now: shareCoreLoad().
+  // The sums include the core's load: shareCoreLoad().
   const double core = object.core_load, shell = sums.cutting_load - core;
   const bool is_shared = core > 0 && sums.bare_load > 0 && shell > 0;
   const double removed = is_shared ? cut.removed_mm3 * sums.bare_load / (sums.bare_load + core) : cut.removed_mm3;
@@ -53,7 +54,7 @@ void learnArea(CutObject& object, const ContactInput& in, const ContactSums& sum
   object.cut_area.add(removed, sums.cut_by_shell, took_all ? 0 : cut.removed_mm3 - paid, in.dt);
 }
 
-// Force, then erosion: both see the same pose and the same field. A contact too large for a tick goes by turns.
+// Force, then erosion: both see the same pose and the same field. A contact too large for a tick takes turns.
 void touchAndCut(const Model& model, State& state, const Substep& substep, std::size_t number, ContactInput& in,
                  ContactEvaluation& out) {
   CutObject& object = state.objects[number];
@@ -67,7 +68,7 @@ void touchAndCut(const Model& model, State& state, const Substep& substep, std::
     groups =
         turns.sum(object, state.near, state.near_in_turn, in, std::min(substep.longest_mm, 0.5 * object.voxel()), sums);
   } else {
-    if (object.dirtyCount() > 0) static_cast<void>(object.repair());  // what turns left, or a lack of memory
+    if (object.dirtyCount() > 0) static_cast<void>(object.repair());  // remains of turns, or of a lack of memory
     sumContact(object, state.near, in, sums);
   }
 
@@ -86,8 +87,8 @@ void touchAndCut(const Model& model, State& state, const Substep& substep, std::
   if (may_take_turns) turns.weigh(ContactTurns::workOf(sums.touching, cut.bricks));
 }
 
-// Penalty law and adding: the tool is under its own drag and what the sums say. A body on the coupling is moved by it;
-// a fixed tool has been moved by its device.
+// Penalty law and adding: the sums and the tool's own drag act on the tool. They move a body on the coupling; the
+// device has moved a fixed tool already.
 void moveByContact(const Model& model, State& state, const Substep& substep, CoreContact& core,
                    ContactEvaluation& out) {
   const ToolModel& tool = model.tools[state.tool];
@@ -167,7 +168,7 @@ ContactEvaluation evaluateAdding(const Model& model, State& state, const Substep
   for (std::size_t n = 0; n < state.objects.size(); ++n) {
     CutObject& object = state.objects[n];
     FillResult added;
-    object.forgetCore();  // what is added may close around the tool
+    object.forgetCore();  // the added material may close around the tool
     if (fills && n == state.adds_to) added = fill(object, contactInput(model, state, object, substep.dt), state.adds);
 
     out.added_mm3 += added.added_mm3;

@@ -10,12 +10,12 @@ namespace kerf {
 namespace {
 
 constexpr int kPlaces = 4;  // cells along a side of a part's box
-constexpr int kWays = 6;    // a normal's largest coordinate and its sign
+constexpr int kWays = 6;    // directions: a normal's largest coordinate and its sign
 constexpr int kCells = 2 * kWays * kPlaces * kPlaces * kPlaces;
 constexpr float kTissues = 0.97f, kTools = 0.9f;  // cosines between both normals: see blendedNormal()
-constexpr float kLeastSlope = 0.25f;              // a node whose face is turned away holds nothing
-constexpr float kSmooth = 0.8f;                   // of the gradient of tau: less is at an edge inside the tool
-constexpr double kLayer = 0.75;                   // voxels from the surface: farther nodes know of it by extrapolation
+constexpr float kLeastSlope = 0.25f;              // a node that faces away holds nothing
+constexpr float kSmooth = 0.8f;                   // of the gradient of tau: less at an edge inside the tool
+constexpr double kLayer = 0.75;                   // voxels from the surface: values farther out are extrapolated
 
 int cellOf(const Vec3f& place, const Vec3f& normal, const Box3& box) {
   Eigen::Index axis;
@@ -51,7 +51,7 @@ struct DeepestNodes {
   int find(CutObject& object, const NearBricks& near, const ContactInput& in, const Eigen::Matrix3f& to_tool) {
     const ToolModel& tool = *in.tool;
     const float layer = static_cast<float>(kLayer * object.voxel());
-    // Both parts may end at the same face, a blade's teeth for one: it cuts.
+    // Both parts may end at the same face, for example a blade's teeth: that face cuts.
     const float coincide = static_cast<float>(0.02 * object.voxel());
     return internal::forEachTouching(object, near, tool, in.T_object_tool, [&](const internal::TouchingNode& node) {
       const bool is_body = node.tau < node.tau_cut - coincide;
@@ -77,7 +77,7 @@ struct DeepestNodes {
 
 using Gradients = std::array<Vec3f, ContactPoints::kMost>;
 
-// The gradient of tau at all of them, tool frame, by central differences of the part that was met.
+// The gradient of tau at all of them, tool frame, by central differences of the touching part.
 void findGradients(const DeepestNodes& deepest, const ToolModel& tool, double voxel, Gradients& gradients) {
   constexpr std::size_t kMost = ContactPoints::kMost;
   const float aside = static_cast<float>(0.2 * voxel);
@@ -100,8 +100,8 @@ void findGradients(const DeepestNodes& deepest, const ToolModel& tool, double vo
   }
 }
 
-// The tissue's normal where it and the tool's nearly agree: it does not change from node to node. Where they do not, at
-// an edge of the tissue, the tool's: moving along what the gap does not change with is not held.
+// The tissue's normal where it nearly agrees with the tool's: it does not change from node to node. Elsewhere, at an
+// edge of the tissue, the tool's: motion that does not change the gap is not held.
 // @param away  minus the gradient of tau.   @param slope  its part along the tissue's normal.
 Vec3f blendedNormal(const Vec3f& tissue, const Vec3f& away, float slope) {
   const float trust = std::clamp((slope / away.norm() - kTools) / (kTissues - kTools), 0.0f, 1.0f);
@@ -126,7 +126,7 @@ int ContactPoints::gather(CutObject& object, int index, const NearBricks& near, 
   Gradients gradients;
   findGradients(deepest, *in.tool, object.voxel(), gradients);
 
-  // Nodes that face the tool become points.
+  // Makes points of the nodes that face the tool.
   const Eigen::Matrix3d to_world = object.T_world_object.rotation.toRotationMatrix();
   const Eigen::Matrix3f tool_to_object = to_tool.transpose();
   std::array<ContactPoint, kMost> added;
@@ -145,7 +145,7 @@ int ContactPoints::gather(CutObject& object, int index, const NearBricks& near, 
                        !DeepestNodes::isOfBody(deepest.order[n])};
   }
 
-  // Among the points of the objects before, the deepest of all are kept.
+  // Keeps the deepest points of all objects.
   std::array<ContactPoint, 2 * kMost> all;
   const auto end = std::merge(points_.begin(), points_.begin() + count_, added.begin(), added.begin() + facing,
                               all.begin(), [](const ContactPoint& a, const ContactPoint& b) { return a.gap < b.gap; });

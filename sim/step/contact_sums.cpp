@@ -28,7 +28,7 @@ HWY_INLINE V leverAt(F f, const Lever& lever, V x, V y, V z) {
   return hn::Set(f, 1.0f);
 }
 
-// The part of a node's area that is on a face of the tool: see CutArea. `slope` is that of the cutting part's distance
+// The part of a node's area that is on a face of the tool: see CutArea. `slope` belongs to the cutting part's distance,
 // from the foot of the normal inwards: 1 behind a face, 0.7 and less behind a right angle's edge.
 HWY_INLINE V partOnFace(F f, V slope) {
   constexpr float kEdge = 0.4f, kLeast = 0.5f;
@@ -36,8 +36,8 @@ HWY_INLINE V partOnFace(F f, V slope) {
   return hn::Min(hn::Max(part, hn::Set(f, kLeast)), hn::Set(f, 1.0f));
 }
 
-// Within two voxels of a blade's rim the object's normals lean between edge and flank. This draws those of what is cut
-// towards the face that they are the nearer to, by the cubes of their parts: a choice of one would jump.
+// Within two voxels of a blade's rim the object's normals lean between edge and flank. This draws the normals of cut
+// nodes towards the nearer face, by the cubes of their parts: a choice of one would jump.
 HWY_INLINE void drawToFace(F f, const TouchingTool& tool, hn::Mask<F> cuts, V normal[3]) {
   const V one = hn::Set(f, 1.0f), share = hn::Set(f, tool.cut_share);
   const auto dot = [](const V a[3], const V b[3]) {
@@ -106,8 +106,8 @@ void sumTouchingHere(const TouchingNodes& nodes, const TouchingTool& tool, Touch
       hn::StoreU(hn::Add(hn::LoadU(f, at), value), f, at);
     };
 
-    // Overlap, facing weight, what erosion leaves of the overlap: its mean over this evaluation, and over the next one
-    // if the tool stays.
+    // Overlap, facing weight, and the remaining fraction of an eroding overlap: its mean over this evaluation, and over
+    // the next one if the tool stays.
     const V overlap = load(nodes.overlap), into_cut = load(nodes.into_cut), area = load(nodes.area);
     V facing = hn::Min(hn::Max(hn::Add(load(nodes.slope), load(nodes.slope)), zero), one);
     if (tool.geometry_only) facing = hn::IfThenElse(hn::Lt(into_cut, overlap), facing, zero);
@@ -136,7 +136,7 @@ void sumTouchingHere(const TouchingNodes& nodes, const TouchingTool& tool, Touch
     const V next = hn::Sub(overlap, hn::Mul(erodes, hn::Sub(one, kept)));
     const auto cuts = hn::Gt(into_cut, zero);
 
-    // What cuts counts by the part of its area that is on a face, and works with the lever at the surface.
+    // Cut nodes count by the part of their area that is on a face, with the lever at the surface.
     V area_of_cut = area, arm_of_work = arm;
     if (tool.cut_share > 0) {
       const V share = hn::Set(f, tool.cut_share);
@@ -167,7 +167,7 @@ void sumTouchingHere(const TouchingNodes& nodes, const TouchingTool& tool, Touch
       for (int column_of = 0; column_of <= row; ++column_of) add(entry++, hn::Mul(scaled, u[column_of]));
     }
 
-    // Loads, and what the tool's own motion costs the drive.
+    // Loads, and the drive's expense for the tool's own motion.
     add(S::kNormalLoad, size);
     add(S::kLoadNext, size_next);
     add(S::kCuttingLoad, hn::IfThenElseZero(cuts, size));
@@ -190,7 +190,7 @@ void sumTouchingHere(const TouchingNodes& nodes, const TouchingTool& tool, Touch
     const V sliding = hn::Max(hn::Max(own, norm(v[0], v[1], v[2])), hn::Set(f, tool.still_speed));
     V drag = hn::Div(rubbing, sliding);
     add(S::kDrag, drag);
-    if (tool.lips.height > 0) {  // lips cut in pairs, whose forces across the axis cancel: see DrillLips
+    if (tool.lips.height > 0) {  // lips cut in pairs: their forces across the axis cancel, see DrillLips
       add(S::kLipTorque, hn::IfThenElseZero(is_lip, turning));
       if (!tool.is_at_rest) drag = hn::IfThenElse(is_lip, zero, drag);
     }

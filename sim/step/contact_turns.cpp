@@ -10,7 +10,7 @@ namespace {
 
 constexpr bool has(std::uint32_t groups, int group) { return (groups >> group & 1) != 0; }
 
-// The evaluation of a cycle, from 0, in which a group has its turn.
+// The evaluation in a cycle, from 0, that has a group's turn.
 constexpr int placeIn(int length, int group) { return group * length / ContactTurns::kGroups; }
 
 int evaluationsFor(double work) {
@@ -18,7 +18,7 @@ int evaluationsFor(double work) {
   return static_cast<int>(std::clamp(wanted, 2.0, double{ContactTurns::kMostInACycle}));
 }
 
-// How much of the time between two turns has gone.
+// Elapsed fraction of the time between two turns.
 double shareOf(const ContactTurns::Group& group, double clock) {
   const double length = group.until - group.from;
   return length > 0 ? std::clamp((clock - group.from) / length, 0.0, 1.0) : 1;
@@ -40,10 +40,10 @@ void ContactTurns::weigh(double work) noexcept {
   cycle_ = {};
   cycle_.epoch = epoch;
   cycle_.next = evaluationsFor(work);
-  groups_ = {};  // all of them are due
+  groups_ = {};  // all groups are due
 }
 
-// When the group's next turn is, and how much time its erosion is for.
+// Plans the group's next turn, and the duration of its erosion.
 void ContactTurns::planTurn(int number, const ContactInput& in, double limit_mm, double way_mm) noexcept {
   Group& group = groups_[static_cast<std::size_t>(number)];
   const int place = placeIn(cycle_.length, number);
@@ -59,7 +59,7 @@ void ContactTurns::planTurn(int number, const ContactInput& in, double limit_mm,
   group.due = cycle_.count + hold;
 }
 
-// The group's sums, gone on from its last turn to now.
+// The group's sums, carried from its last turn to now.
 ContactSums ContactTurns::carried(const Group& group, const Rigid3& pose, double dt) const noexcept {
   Vector6d moved;
   moved << pose.translation - group.pose.translation, rotationBetween(group.pose.rotation, pose.rotation);
@@ -70,7 +70,7 @@ ContactSums ContactTurns::carried(const Group& group, const Rigid3& pose, double
     return then.normal_load + share * (then.load_next - then.normal_load) - follows;
   };
 
-  // What grows with the pressure; nothing is left where contact is lost.
+  // Scales the values that grow with the pressure; clears all if contact is lost.
   ContactSums out = then;
   const double load = loadAt(now);
   const bool is_lost = !(then.normal_load > 0 && load > 0);
@@ -95,7 +95,7 @@ ContactSums ContactTurns::carried(const Group& group, const Rigid3& pose, double
   return out;
 }
 
-// What the sums before a turn say beside those of the turn; no more than a part of the load.
+// Difference of the sums before a turn and those of the turn; limited to a part of the load.
 Wrench ContactTurns::jumpBetween(const ContactSums& before, const ContactSums& after) noexcept {
   constexpr double kMostJump = 0.25;
   Wrench jump{before.force - after.force, before.torque - after.torque};
@@ -123,7 +123,7 @@ std::uint32_t ContactTurns::sum(CutObject& object, const NearBricks& near, NearB
     now |= std::uint32_t{is_due} << g;
   }
 
-  // Without memory a shell stays dirty, and is read as far as it can be: forEachTouching().
+  // Without memory a shell stays dirty; forEachTouching() reads its nodes with current values.
   is_short_ = !object.repair([now](int slot) { return has(now, groupOf(slot)); });
 
   for (int g = 0; g < kGroups; ++g) {
@@ -171,7 +171,7 @@ bool ContactTurns::isUsable() const noexcept {
   const auto isInACycle = [](std::int32_t n) { return n >= 1 && n <= kMostInACycle; };
   bool is_good = isInACycle(cycle_.length) && isInACycle(cycle_.next) && cycle_.at >= 0 && cycle_.at < cycle_.length &&
                  cycle_.count >= 0 && cycle_.pose.isUsable();
-  constexpr int kMostNodes = 1 << 24;  // of one group: more than a brick has in all slots that are near
+  constexpr int kMostNodes = 1 << 24;  // of one group: more than the nodes of all near slots
   constexpr double kLongestTurn = 1;   // s
   for (const Group& group : groups_)
     is_good = is_good && group.pose.isUsable() && group.due >= 0 && group.due <= cycle_.count + 2 * kMostInACycle &&

@@ -1,26 +1,26 @@
-// Contacts too large for a tick: their bricks are evaluated in turns, so that a tick's time is bounded.
+// Contacts too large for a tick: their bricks are evaluated in turns, which bounds the time of a tick.
 //
-// What an evaluation of contact costs grows with the area in contact: a ball of 6 mm sunk 2 mm at voxels of 0.05 mm
-// changes 600 bricks. Where the work exceeds a budget the bricks are divided into kGroups by their number, and each
-// evaluation of contact takes a part of the groups: all have had their turn after k evaluations, a cycle. k follows
-// from the work counted in the cycle before, never from a clock: the same input gives the same bits.
+// The cost of an evaluation of contact grows with the area in contact: a ball of 6 mm sunk 2 mm at voxels of 0.05 mm
+// changes 600 bricks. If the work exceeds a budget, the bricks are divided into kGroups by their number, and each
+// evaluation of contact takes some of the groups. A cycle of k evaluations gives every group its turn. k follows from
+// the work counted in the cycle before, never from a clock: the same input gives the same bits.
 //
-// At its turn a group is evaluated for all the time until its next one: the mean pressure and the erosion of that time
-// T (ContactInput::dt). So p T = k_n d (1 - exp(-c T)) / c is the work that erosion asks for, as in one tick: the
-// removal law holds, whatever k. Until its next turn the group's force goes on from the one sum to the next in a
-// straight line, and follows the tool by its stiffness, to the first order:
+// At its turn a group is evaluated for the whole time until its next turn: the mean pressure and the erosion of that
+// time T (ContactInput::dt). So p T = k_n d (1 - exp(-c T)) / c is the work for the erosion, as in one tick: the
+// removal law holds for any k. Until its next turn the group's force goes from one sum to the next in a straight line,
+// and follows the tool by its stiffness, to the first order:
 //
 //   F(t) = F + a (F_next - F) - K x,   a = (t - t0) / T,   x the motion of the tool since t0
 //
-// F_next, K: ContactSums::force_next, stiffness. At the end of T this is what the next evaluation finds, nearly: what
-// it finds beside it (nodes that came into contact meanwhile) is blended in until the turn after it. Loads and drag
-// go with the normal load, which goes by the same law; a group whose load has come to nothing has lost contact. Between
-// two turns the tool moves no farther than half a voxel or longestSubstep(): a fast tool pays for all that it touches.
-// Erosion's time is booked, so that each moment counts once.
+// F_next, K: ContactSums::force_next, stiffness. At the end of T this nearly equals the result of the next evaluation.
+// The difference (nodes that came into contact meanwhile) is blended in until the turn after it. Loads and drag scale
+// with the normal load, which follows the same law. A group with a load of zero has lost contact. Between two turns the
+// tool moves at most half a voxel or longestSubstep(): a fast tool pays for all its contact. The time of erosion is
+// booked, so that each moment counts once.
 //
-// Shells of a group are repaired at its turn (CutObject::repair(wanted)): nothing else in the step reads them.
+// The shells of a group are repaired at its turn (CutObject::repair(wanted)): nothing else in the step reads them.
 //
-// Ordinary contacts never come here: see kEnter.
+// Ordinary contacts never take turns: see kEnter.
 #pragma once
 
 #include <algorithm>
@@ -37,74 +37,74 @@ namespace kerf {
 class ContactTurns {
  public:
   static constexpr int kGroups = 32;
-  /// A cycle has at most that many evaluations of contact: 16 ms.
+  /// Most contact evaluations in a cycle: 16 ms.
   static constexpr int kMostInACycle = 16;
-  /// Work is reckoned in microseconds of a slow core. Above kEnter bricks take turns, with about kBudget an evaluation;
-  /// below kLeave they no longer do.
+  /// Work is in microseconds of a slow core. Above kEnter bricks take turns, with about kBudget an evaluation; below
+  /// kLeave they stop.
   static constexpr double kEnter = 800, kBudget = 250, kLeave = 600;
 
-  /// What an evaluation cost, from what it did.   @param cut  bricks that erosion changed.
-  /// What sleeps is not asked: a session that goes on from a snapshot is awake, and must find the same.
+  /// Estimated cost of an evaluation.   @param cut  bricks that erosion changed.
+  /// Independent of sleeping bricks: a session restored from a snapshot is awake, and must get the same result.
   static double workOf(int touching, int cut) noexcept { return 0.025 * touching + 3.5 * cut; }
-  /// Of a brick, by its slot: neighbours are in different groups.
+  /// Group of a brick, by its slot: neighbours are in different groups.
   static int groupOf(int slot) noexcept {
     return static_cast<int>(static_cast<std::uint32_t>(slot) * 2654435769u >> 27);
   }
 
-  /// A group as of its last turn.
+  /// State of a group at its last turn.
   struct Group {
     ContactSums sums;            ///< object frame
     Rigid3 pose;                 ///< T_object_tool
     double way = 0;              ///< Cycle::way
-    double from = 0, until = 0;  ///< of that turn, of the next: Cycle::clock, s. It is eroded up to `until`
-    double erodes = 0;           ///< in that turn, s
-    Wrench jump;                 ///< what the force was more, before that turn; fades until the next one
-    double work = 0;             ///< in that turn: workOf()
+    double from = 0, until = 0;  ///< Cycle::clock at that turn and at the next one, s. It is eroded up to `until`
+    double erodes = 0;           ///< duration of erosion in that turn, s
+    Wrench jump;                 ///< force before that turn minus force after it; fades until the next one
+    double work = 0;             ///< of that turn: workOf()
     std::int64_t due = 0;        ///< number of the evaluation of its next turn: Cycle::count
   };
 
-  /// Whether the next evaluation goes by turns. @param epoch  CutObject::contact_epoch: another one than last time, and
-  /// what was known of the contact is void.
+  /// Whether the next evaluation goes by turns. @param epoch  CutObject::contact_epoch: a change makes earlier
+  /// knowledge of the contact void.
   bool begin(std::uint32_t epoch) noexcept;
-  /// The work of an evaluation that did not go by turns: decides whether the next one does.
+  /// The work of an evaluation without turns: decides whether the next one takes turns.
   void weigh(double work) noexcept;
 
   /// One evaluation of contact by turns.
-  /// @param near  all that is near the tool.   @param turn  scratch.   @param limit_mm  see above.
-  /// @param sums  of all groups, as of now.   @return the evaluation's groups, a bit each.
+  /// @param near  all bricks near the tool.   @param turn  scratch.   @param limit_mm  see above.
+  /// @param sums  current, of all groups.   @return the evaluation's groups, a bit each.
   std::uint32_t sum(CutObject& object, const NearBricks& near, NearBricks& turn, const ContactInput& in,
                     double limit_mm, ContactSums& sums) noexcept;
   /// Erodes those groups, and ends the evaluation.
   CutResult erode(CutObject& object, const NearBricks& near, NearBricks& turn, const ContactInput& in,
                   std::uint32_t groups) noexcept;
 
-  // The state, to be kept and hashed.
+  // The state, for storage and hashing.
 
   struct Cycle {
     std::int32_t length = 1, next = 1;  ///< evaluations in this cycle, in the next
-    std::int32_t at = 0;                ///< evaluations of this cycle that are over
+    std::int32_t at = 0;                ///< finished evaluations of this cycle
     std::uint32_t epoch = 0;
-    std::int64_t count = 0;  ///< evaluations that are over
+    std::int64_t count = 0;  ///< finished evaluations
     double clock = 0;        ///< their time, s
-    double way = 0;          ///< how far a part of the tool has moved at most since the first, mm
+    double way = 0;          ///< largest motion of any part of the tool since the first, mm
     Rigid3 pose;             ///< T_object_tool in the last one
   };
   using Groups = std::array<Group, kGroups>;
   bool isActive() const noexcept { return cycle_.length > 1 || cycle_.next > 1; }
-  /// Unless what was known is void.
+  /// Unless earlier knowledge is void.
   bool isActiveFor(const CutObject& object) const noexcept {
     return isActive() && cycle_.epoch == object.contactEpoch();
   }
   const Cycle& cycle() const noexcept { return cycle_; }
   const Groups& groups() const noexcept { return groups_; }
-  /// Calls number(double&) for all of that in one order: integers become doubles and back, exactly.
+  /// Calls number(double&) for all of these values in one order: integers become doubles and back, exactly.
   template <class Number>
   void forEachNumber(const Number& number) noexcept;
-  /// Whether the numbers can be those of turns. @pre they are finite.
+  /// Whether the numbers are valid for turns. @pre they are finite.
   bool isUsable() const noexcept;
-  /// Nothing is known of a contact: the object in this place is another one. @rt
+  /// Forgets the contact: another object is in this place. @rt
   void forget() noexcept { cycle_ = {}; }
-  /// Of an object that was made anew, as it is now.
+  /// For an object that was made anew in its current state.
   void belongTo(std::uint32_t epoch) noexcept { cycle_.epoch = epoch; }
 
  private:
@@ -116,7 +116,7 @@ class ContactTurns {
 
   Cycle cycle_;
   Groups groups_;
-  bool is_short_ = false;  // of memory for shells, in the evaluation under way
+  bool is_short_ = false;  // of memory for shells, in the current evaluation
 };
 
 template <class Number>

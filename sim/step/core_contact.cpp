@@ -10,19 +10,19 @@
 namespace kerf {
 namespace {
 
-constexpr double kShareOut = 0.4;   // of a point's radius: how far it stays out
-constexpr double kBlur = 0.7;       // voxels: so far the field may be off in a narrow hole, or where its band ends
-constexpr double kBlurAtTip = 0.5;  // voxels: what is thin leans on a face, or at most an edge
+constexpr double kShareOut = 0.4;   // of a point's radius: least distance from the surface
+constexpr double kBlur = 0.7;       // voxels: error of the field in a narrow hole, or at the end of its band
+constexpr double kBlurAtTip = 0.5;  // voxels: thin parts lean on a face, or at most an edge
 constexpr double kBlurAtLips = 1;   // voxels: a drill pushed beyond its greatest feed leans on its core
 constexpr double kStiffArea = 1.5;  // mm^2: K over the contact stiffness of the material
-constexpr double kHardest = 300;    // N/mm: K of hard tissue, at which what is softer stops a tool at rest
-constexpr double kGives = 0.1;      // mm below the surface, where that is
-constexpr double kClear = 0.05;     // mm: a core that is pressed in by less has been outside
+constexpr double kHardest = 300;    // N/mm: K of hard tissue, at which softer tissue stops a tool at rest
+constexpr double kGives = 0.1;      // mm below the surface, for that stop
+constexpr double kClear = 0.05;     // mm: a core pressed in by less counts as outside
 constexpr double kNodeReach = 0.9;  // voxels from a place to its nearest node, and a little
-constexpr double kNoSlope = 1e-3;   // deep inside, where every value is the same, there is no way out
+constexpr double kNoSlope = 1e-3;   // deep inside, where all values are equal, there is no way out
 constexpr double kSettled = 1e-6;   // of the largest load
 
-// The values of an object's nodes; remembers the brick it was asked for last.
+// The values of an object's nodes. Caches the last brick.
 class Nodes {
  public:
   explicit Nodes(const CutObject& object) : object_(object), outside_(object.baked().phi0().background()) {}
@@ -31,7 +31,7 @@ class Nodes {
     const BrickSlot* slot = slotOf(node);
     return slot ? static_cast<double>(slot->phi[offsetOf(node)]) : static_cast<double>(outside_);
   }
-  // Of the eight nodes around a place.
+  // Least value of the eight nodes around a place.
   double leastAround(const Vec3d& in_voxels) {
     const Vec3i corner = in_voxels.array().floor().cast<int>();
     double least = static_cast<double>(outside_);
@@ -98,7 +98,7 @@ SmoothDistance smoothDistance(Nodes& nodes, const Vec3d& in_voxels, const Vec3i&
   return out;
 }
 
-// The lever of the tool's own motion at a core point, as the shell's under it: of a bur the ball's own radius.
+// Own surface speed at a core point, with the lever of the shell under it: for a bur the ball's own radius.
 double ownSpeed(const ToolModel& tool, const CorePoint& point, double speed) {
   if (!point.cuts && tool.motion != ToolMotion::kSpin) return 0;
   const internal::Lever lever = internal::leverOf(tool);
@@ -138,7 +138,7 @@ void CoreContact::gather(CutObject& object, std::size_t number, const ContactInp
 
   const auto stopOf = [&](const CorePoint& point) { return std::min(allowedOf(point), 0.0) - kGives; };
 
-  // At rest all points hold, what is not thin at its stop.
+  // At rest all points hold; points that are not thin hold at their stop.
   const auto isOutside = [&](bool at_rest) {
     return std::all_of(tool.core.begin(), tool.core.end(), [&](const CorePoint& point) {
       if (point.is_thin && !at_rest) return true;
@@ -163,8 +163,8 @@ void CoreContact::gather(CutObject& object, std::size_t number, const ContactInp
     const auto radius = static_cast<double>(point.radius);
     const double allowed = allowedOf(point);
 
-    // Distances change no faster than the place: most points are left here. Of a place within the band a corner of its
-    // cell is within it too, if not its nearest node.
+    // Distances change no faster than the place: this test rejects most points. If a place is within the band, so is a
+    // corner of its cell, though maybe not its nearest node.
     const double there = nodes.phi(middle);
     if (there > allowed + way_mm + kNodeReach * h) continue;
     if (there >= band && nodes.leastAround(in_voxels) >= band) continue;
@@ -197,7 +197,7 @@ void CoreContact::gather(CutObject& object, std::size_t number, const ContactInp
   }
 }
 
-// The deepest are kept; of two that are as deep the earlier.
+// Keeps the deepest points, with equal depth the earlier one.
 void CoreContact::add(const Row& row, const Vec3d& push) noexcept {
   std::size_t at = count_;
   if (count_ == kMost) {
@@ -266,7 +266,7 @@ double shareCoreLoad(double core_load, double speed, ContactSums& sums) noexcept
   sums.cutting_load += core_load;
   if (!(sums.bare_load > 0) || speed == 0) return 1;
 
-  // The core's load rubs where the shell's does: on the whole of what cuts.
+  // The core's load rubs like the shell's: on the whole cutting part.
   const double lever = sums.bare_drive_load / sums.bare_load;
   sums.drive_load += core_load * lever;
   sums.power += core_load * lever * std::abs(speed);

@@ -1,18 +1,18 @@
-// Contact of a tool's core: what keeps thin and pointed tools from sinking.
+// Contact of a tool's core: keeps thin and pointed tools from sinking.
 //
-// The shell's force (sim/step/contact.h) grows with the overlap of surfaces and is lost once a thin part has gone
+// The shell's force (sim/step/contact.h) grows with the overlap of surfaces. It is lost once a thin part has gone
 // through: its own flanks face away from the push, and past its middle its distance points the other way. A core point
 // (sim/step/tool_core.h) is stopped before that, on the near side of the object's surface:
 //
 //   allowed   delta = min(0.4 r, r - 0.7 h, band - 0.7 h), r the point's radius, h the voxel, band the object's outer
-//             one: how near it may come. A point with a radius below 0.7 voxels may go in by the difference. A drill's
-//             may come nearer, r - h: pushed beyond its greatest feed it leans on its core, and the sooner that holds
-//             it, the slower it feeds. Below one voxel it may go in.
-//   distance  phi and its gradient g by quadratic B-splines over the 27 nodes around: smooth where nodes are passed.
-//             Between two walls g is short by itself; only what is longer than 1 is shortened.
+//             one: the least allowed distance. A point with a radius below 0.7 voxels may go in by the difference. A
+//             drill's may come nearer, r - h: pushed beyond its greatest feed it leans on its core, and an earlier hold
+//             slows its feed. Below one voxel it may go in.
+//   distance  phi and its gradient g by quadratic B-splines over the 27 nodes around: smooth across nodes. Between two
+//             walls g is short by itself; only a g longer than 1 is shortened.
 //   push      N = K max(0, delta - phi') along g, K = 1.5 mm^2 times the contact stiffness of the material there, phi'
-//             the distance at the end of this evaluation: solved together with the body (OneSidedLoads), so that K may
-//             be as large as it likes.
+//             the distance at the end of this evaluation: solved together with the body (OneSidedLoads), so that K has
+//             no upper limit.
 //   friction  mu N over the sliding speed, at the place where ball and surface meet; felt one evaluation later.
 //   erosion   by the load of the evaluation before: rates are scaled as if the shell pressed with both.
 //
@@ -22,12 +22,12 @@
 // Points, edges and fins that are thinner (CorePoint::is_thin) hold a tool at rest: they may go in by h / 2 - r. They
 // do not count while the drive turns faster than kAtRest.
 //
-// A tool that finds itself inside (a stroke taken back, material added, an object moved) is not held until its core has
-// been outside once: CutObject::is_core_clear.
+// A tool that starts inside (after an undo, added material, or a moved object) is not held until its core has been
+// outside once: CutObject::is_core_clear.
 //
 // Ordinary tools under ordinary loads do not come so near: for them nothing changes, to the bit. Only for
-// Response::kPenalty, coupled: a tool that is fixed to a machine has no body to hold, and the other responses have
-// points of their own.
+// Response::kPenalty, coupled: a tool fixed to a machine has no body to hold, and the other responses have points of
+// their own.
 //
 // All functions are @rt.
 #pragma once
@@ -37,7 +37,7 @@
 
 namespace kerf {
 
-/// What the core of one evaluation leaves to the next; world axes, about the tip. The load is with the objects:
+/// Result of one evaluation's core for the next; world axes, about the tip. The objects hold the load:
 /// CutObject::core_load.
 struct CoreDrag {
   double drag = 0;                                   ///< N s/mm: as ContactSums::drag
@@ -54,17 +54,17 @@ class CoreContact {
  public:
   static constexpr std::size_t kMost = OneSidedLoads::kMost;
 
-  /// Adds the points of one object (CutObject::is_core_clear: else none) that may be pushed in this evaluation. Of all
-  /// objects' the kMost deepest are kept.
-  /// @param number  of the object.   @param way_mm  how far the tool may move meanwhile.
-  /// @cost  one node read a core point, or nine, 27 of those that are near.
+  /// Adds the points of one object (CutObject::is_core_clear: else none) that may be pushed in this evaluation. Keeps
+  /// the kMost deepest of all objects.
+  /// @param number  of the object.   @param way_mm  largest motion of the tool meanwhile.
+  /// @cost  reads one node, or nine, for each core point, and 27 for each near one.
   void gather(CutObject& object, std::size_t number, const ContactInput& in, double way_mm) noexcept;
   bool isEmpty() const { return count_ == 0; }
 
-  /// How advance() solves for the velocity. @pre not empty
+  /// Solves for the velocity in advance(). @pre not empty
   Vector6d solve(const Matrix6d& a, const Vector6d& b, double dt) noexcept;
 
-  /// Of the solved loads on one object that of what cuts, N.
+  /// Part of the solved loads on one object that is on the cutting part, N.
   double cuttingLoad(std::size_t number) const;
   /// Adds the points that carry a load to the nodes in contact.   @return objectBit() of their objects.
   std::uint64_t countTouched(ContactSums& sums) const;
@@ -73,7 +73,7 @@ class CoreContact {
 
  private:
   struct Row {
-    Vec3d lever, touch;    // of the point, and of where its ball meets the surface, from the tip; world axes, mm
+    Vec3d lever, touch;    // of the point, and of its ball's contact with the surface, from the tip; world axes, mm
     double clearance = 0;  // phi - delta, mm
     double stiffness = 0;  // N/mm
     double friction = 0;
@@ -90,14 +90,14 @@ class CoreContact {
   OneSidedLoads::Directions directions_;
   std::size_t count_ = 0;
   OneSidedLoads loads_;
-  double per_s_ = 0;  // loads are impulses: times this they are forces
+  double per_s_ = 0;  // converts loads, which are impulses, to forces
 };
 
-/// What of a core's load erodes at most, N: more than a hand presses. A tool that finds itself inside, because material
-/// was added or an object moved, is pushed out hard, and must not cut its way.
+/// Most of a core's load that erodes, N: more than a hand presses. A tool that starts inside, after added material or a
+/// moved object, is pushed out hard, and must not cut its way.
 inline constexpr double kMostCoreLoad = 20;
 
-/// Scales the shell's loads and drive by what the core carried beside it, and says by how much erosion is faster.
+/// Scales the shell's loads and drive by the core's share of the load, and returns the factor on erosion.
 /// @param core_load  CutObject::core_load.   @return ContactInput::load_scale, 1 at least.
 double shareCoreLoad(double core_load, double speed, ContactSums& sums) noexcept;
 

@@ -23,7 +23,7 @@ Vec3d saturated(const Vec3d& stretch, double limit) {
   return size > limit ? Vec3d(stretch * (limit / size)) : stretch;
 }
 
-// Solves with the grip of friction, or with its drag where that slides.
+// Solves with the grip of friction, or with its drag while it slides.
 template <class Solve>
 Vector6d heldBy(Vector6d& grip, const ToolBody& body, const ContactSums& contact, const Matrix6d& a, const Vector6d& b,
                 double dt, const Solve& solve) {
@@ -113,7 +113,7 @@ Wrench advance(ToolBody& body, const DeviceMotion& device, const ContactSums& co
     return {};
   }
 
-  // What changed the momentum and was not the coupling.
+  // Change of momentum by forces other than the coupling.
   const Vec3d moved = v.head<3>(), turned = v.tail<3>();
   Wrench did;
   if (!is_free) {

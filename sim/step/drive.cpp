@@ -19,7 +19,7 @@ double turbineSpeed(const ToolDrive& drive, double speed, double pedal, double l
   double push = (pedal * pedal - load) * drive.speed / drive.time_constant;
   if (pedal == 0 && drive.run_down > 0) push -= drive.speed / drive.run_down;
 
-  // ds/dt = push - rate s, exactly.
+  // Solves ds/dt = push - rate s exactly.
   const double rate = pedal / drive.time_constant;
   const double x = rate * kTick;
   const double mean = x > 1e-9 ? -std::expm1(-x) / x : 1;

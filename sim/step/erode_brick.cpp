@@ -30,7 +30,7 @@ ErodeBrickResult erodeHere(const ErodeBrickInput& in, float* out) {
 
     V next;
     if (in.geometry_only) {
-      next = hn::IfThenElse(overlaps, hn::Neg(tau), phi);  // exactly, so that once or twice is the same
+      next = hn::IfThenElse(overlaps, hn::Neg(tau), phi);  // exact, so that a second pass changes nothing
     } else {
       V lever = hn::Set(f, 1.0f);
       if (in.lever.form == LeverForm::kRadius) {

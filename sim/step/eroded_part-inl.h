@@ -1,5 +1,5 @@
-// The part of an overlap that is gone, 1 - exp(-x), x a rate times time: plain arithmetic, so that it gives the same
-// bits with any C library and any instructions. Included once per instruction set.
+// The eroded part of an overlap, 1 - exp(-x), x a rate times time: plain arithmetic, so that it gives the same bits
+// with any C library and any instructions. Included once per instruction set.
 #if defined(KERF_SIM_STEP_ERODED_PART_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef KERF_SIM_STEP_ERODED_PART_INL_H_
 #undef KERF_SIM_STEP_ERODED_PART_INL_H_
@@ -41,7 +41,7 @@ HWY_INLINE V erodedPart(F f, V x) {
 // r^0.75 by two roots.
 HWY_INLINE V lipLever(V r) { return hn::Mul(hn::Sqrt(r), hn::Sqrt(hn::Sqrt(r))); }
 
-// What of an overlap lips can take at all: rubbing keeps rub / x of it. x a rate times time.
+// The part of an overlap that lips can remove: rubbing keeps rub / x of it. x a rate times time.
 HWY_INLINE V overRubbing(F f, V overlap, V rub, V x) {
   const V kept = hn::Div(rub, hn::Max(x, hn::Set(f, 1e-9f)));
   return hn::Max(hn::Sub(overlap, kept), hn::Zero(f));

@@ -27,7 +27,7 @@ class BrickErosion {
     brick_.lever = internal::leverOf(*in.tool);
     brick_.lips = internal::lipsOf(in);
     brick_.geometry_only = in.geometry_only;
-    // Air is air: values rise to the end of the band that was baked around the surface, and no further.
+    // Air stays air: values rise to the end of the band baked around the surface, and no further.
     brick_.cap = object.baked().phi0().background();
     brick_.least_overlap = in.tool->cut.leastOverlap();
     std::fill_n(tau_, kBrickNodes, ToolField::kFar);
@@ -51,7 +51,7 @@ class BrickErosion {
   }
 
  private:
-  // The tool's distances at the nodes of these rows. What is air already is not looked up: nothing there is cut.
+  // The tool's distances at the nodes of these rows. Skips air, where nothing is cut.
   void lookUpRows(std::uint64_t rows) {
     for (int end = 0; end < kRows && rows >> end != 0;) {
       const int begin = end + std::countr_zero(rows >> end);

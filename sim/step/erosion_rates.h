@@ -1,4 +1,4 @@
-// How fast a tool erodes: what the force of this evaluation and the erosion after it must agree on.
+// Erosion rates of a tool, shared by an evaluation's force and its erosion.
 #pragma once
 
 #include <array>
@@ -12,17 +12,17 @@
 namespace kerf::internal {
 
 inline Lever leverOf(const ToolModel& tool) {
-  constexpr float kEquatorFloor = 0.2f;  // the axis of a bur does not stand still: of the equator's speed
+  constexpr float kEquatorFloor = 0.2f;  // of the equator's speed: the axis of a bur does not stand still
   const LeverForm form = tool.motion == ToolMotion::kSpin    ? LeverForm::kRadius
                          : tool.motion == ToolMotion::kSwing ? LeverForm::kPivot
                                                              : LeverForm::kOne;
   return {form, kEquatorFloor * static_cast<float>(tool.equator_mm), static_cast<float>(tool.pivot_mm)};
 }
 
-/// It turns backwards, and its edges rub with their backs: nothing erodes.
+/// The tool turns backwards, and its edges rub with their backs: nothing erodes.
 inline bool onlyRubs(const ContactInput& in) { return in.speed < 0 && !in.tool->cuts_backwards; }
 
-/// For one evaluation of contact. Backwards a drill's point is a cone that rubs.
+/// For one evaluation of contact. Backwards a drill's point is a rubbing cone.
 inline LipLever lipsOf(const ContactInput& in) {
   const DrillLips& lips = in.tool->lips;
   if (!lips.areThere() || onlyRubs(in)) return {};
@@ -32,10 +32,10 @@ inline LipLever lipsOf(const ContactInput& in) {
           static_cast<float>(along_normal * lips.most_feed)};
 }
 
-/// Rate of erosion times time, c dt, over the lever of the tool's own motion: by the number of a material. See erode().
+/// Rate of erosion times time, c dt, over the lever of the tool's own motion, by material number. See erode().
 struct ErosionRates {
   std::array<float, 256> value;
-  /// The same of a drill's lips, over r^0.75: x = turns slope k_n pi r^0.75 / (1.25 K 2^0.25 q), so that an overlap of
+  /// The same for a drill's lips, over r^0.75: x = turns slope k_n pi r^0.75 / (1.25 K 2^0.25 q), so that an overlap of
   /// a(r) q f0 / k_n only rubs. Only with lips.
   std::array<float, 256> at_lips;
 

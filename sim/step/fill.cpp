@@ -71,7 +71,8 @@ class Filling {
     return changes;
   }
 
-  // What was outside and is now near the added surface is of the new material. Inside the object the material stays.
+  // Nodes that were outside and are now near the added surface get the new material. Inside the object the material
+  // stays.
   void store(int s) {
     const CutObject::Slot& slot = object_.slot(s);
     bool relabels = false;

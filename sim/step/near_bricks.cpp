@@ -8,7 +8,7 @@ namespace {
 
 constexpr int kBlock = 4;  // bricks along a side of a block
 
-// The bricks of one block that are awake, and how far the tool is from their centres.
+// The awake bricks of one block, and the tool's distances at their centres.
 struct BlockOfBricks {
   static constexpr int kMost = kBlock * kBlock * kBlock;
   int count = 0;

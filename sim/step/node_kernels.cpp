@@ -14,7 +14,7 @@ using F = hn::CappedTag<float, 8>;
 using I = hn::RebindToSigned<F>;
 using V = hn::Vec<F>;
 
-// Base and along are read first: the compiler cannot know that the results do not overwrite them.
+// Reads base and along first: the compiler cannot know that the results do not overwrite them.
 void placeHere(const float base[3], const float along[3][3], float* x, float* y, float* z) {
   const F f;
   const int lanes = static_cast<int>(hn::Lanes(f));
@@ -102,7 +102,7 @@ std::uint64_t touchingHere(const float* cut, const float* body, const float* phi
   const auto test = [&](int at, V gap) {
     least = hn::Min(least, gap);
     const auto touching = hn::Lt(gap, touches);
-    if (hn::AllFalse(f, touching)) return;  // as most are
+    if (hn::AllFalse(f, touching)) return;  // usual case
     std::uint8_t part[8] = {};
     hn::StoreMaskBits(f, touching, part);
     bits |= std::uint64_t{part[0]} << at;

@@ -1,5 +1,5 @@
-// Loops over the nodes of a brick: where a tool sees them, and which of them touch it. In whatever vector instructions
-// the processor has; the same bits with any.
+// Loops over the nodes of a brick: their places in the tool's frame, and the nodes that touch it. With the processor's
+// vector instructions; the same bits with any.
 #pragma once
 
 #include <cstdint>
@@ -21,11 +21,11 @@ void valuesOf(const float* values, const std::uint8_t* numbers, int count, float
 /// Largest of n numbers, n a multiple of 8.
 float largestOf(const float* values, int n) noexcept;
 
-/// Bits of the 64 rows of 8 values of a brick, along its last axis, in which one is below `limit`.
+/// Bits of those of a brick's 64 rows of 8 values, along its last axis, that have a value below `limit`.
 std::uint64_t rowsBelow(const float* values, float limit) noexcept;
 
-/// Which of `count` <= 64 nodes touch a tool: bits of those with min(cut, body) + phi < -least_overlap. `least_gap`
-/// becomes the least of these sums, if that is less. All are read up to the next multiple of 8.
+/// Nodes of `count` <= 64 that touch a tool: bits of those with min(cut, body) + phi < -least_overlap. Lowers
+/// `least_gap` to the least of these sums. Reads all arrays up to the next multiple of 8.
 /// @param body  null: none near.   @param least_overlap  mm: see ToolField::leastOverlap().
 std::uint64_t touchingNodes(const float* cut, const float* body, const float* phi, int count, float least_overlap,
                             float& least_gap) noexcept;

@@ -10,7 +10,7 @@ void OneSidedLoads::solve(const Matrix6d& a, const Vector6d& b, std::span<const 
                           const Row& softness, double settled) noexcept {
   constexpr int kSweeps = 60;
 
-  // What a unit of each load does: answer_i = A^-1 u_i.
+  // Effect of a unit of each load: answer_i = A^-1 u_i.
   const Eigen::LDLT<Matrix6d> inverse(a);
   motion = inverse.solve(b);
   Directions answer;

@@ -1,4 +1,4 @@
-// Contact by constraints and by impulses: sim/step/response.h says how and after whom.
+// Contact by constraints and by impulses. Methods and sources: sim/step/response.h.
 
 #include <algorithm>
 #include <cmath>
@@ -9,10 +9,10 @@
 namespace kerf {
 namespace {
 
-constexpr double kTakenBack = 0.2;       // of an overlap beyond the skin, per evaluation
+constexpr double kTakenBack = 0.2;       // fraction of the overlap beyond the skin, per evaluation
 constexpr double kMostTakenBack = 0.02;  // mm per evaluation
-constexpr double kEven = 0.2;            // softness of taking back: between two walls the middle
-constexpr double kDeepest = 0.1;         // mm that a cutting part may overlap so that there is enough to remove
+constexpr double kEven = 0.2;            // softness of the recovery: between two walls the middle
+constexpr double kDeepest = 0.1;         // mm: largest overlap of a cutting part, for enough to remove
 
 // The diagonal of a matrix of the coupling: translation three times, rotation three times.
 Vector6d sixOf(double along, double about) {
@@ -60,14 +60,15 @@ class ContactSolver {
 
     metric_ = stiffness;
     a_.diagonal() = stiffness + damping / dt_;
-    // A proxy without mass would look ahead as far as the hand pulls it. It looks no farther than its speed and the
-    // device's may take it, so that few bricks are near, and twice that, so that it can catch up.
+    // Without a limit a proxy, which has no mass, would look ahead as far as the hand pulls it. It looks ahead only as
+    // far as its speed and the device's may take it, so that few bricks are near, and twice that, so that it can catch
+    // up.
     double way = 2 * std::max(device_way_, dt_ * wayOf(twist_));
     for (const CutObject& object : state_.objects) way = std::max(way, 4 * contactSkin(object.voxel()));
     longest_ = std::min(longest_, way);
   }
 
-  /// Finds the points that the tool would meet on its way without contact: those it touches, and those ahead of it.
+  /// Finds the points that the tool touches or would meet on its way without contact.
   void gather() {
     ahead_ = per_ * b_.cwiseQuotient(a_.diagonal());
     if (const double way = wayOf(ahead_); way > longest_) ahead_ *= longest_ / way;
@@ -97,9 +98,9 @@ class ContactSolver {
       const Vector6d u = p.direction();
       const auto object = static_cast<std::size_t>(p.object);
       const double allowed = p.cuts ? erosionOf(object)->allowed : contactSkin(state_.objects[object].voxel());
-      // How far the tool has to move out here, from where it is; negative: how far it may come in.
+      // How far the tool must move out here, from its place; negative: how far it may come in.
       const double out = u.dot(ahead_) - (p.gap + allowed) / p.slope;
-      // What overlaps already makes no load: walls on both sides would make any.
+      // Existing overlap makes no load: walls on both sides would make any load.
       overlap_[at] = std::max(out, 0.0);
       least_[at] = std::min(out, 0.0) / per_;
       if (const double coming = u.dot(twist_); !is_proxy_ && coming < least_[at])
@@ -109,8 +110,8 @@ class ContactSolver {
     loads_.solve(a_, b_, points_, least_, 0);
   }
 
-  /// Sums pressure and drag where the tool is, scaled to the solved load. Then puts the drag into A and b, and allows
-  /// a part that cuts the overlap it needs.
+  /// Sums pressure and drag at the tool's place, scaled to the solved load. Then puts the drag into A and b, and allows
+  /// a cutting part the overlap it needs.
   void sumContacts() {
     for (std::size_t n = 0; n < state_.objects.size(); ++n) {
       CutObject& object = state_.objects[n];
@@ -139,7 +140,7 @@ class ContactSolver {
     b_.tail<3>() += per_ * own_.torque;
   }
 
-  /// Erodes by the solved load. Last object first: its bricks are those that were found last.
+  /// Erodes by the solved load. Last object first: its bricks were found last.
   void erodeAll() {
     for (std::size_t n = state_.objects.size(); n-- > 0;) {
       CutObject& object = state_.objects[n];
@@ -154,7 +155,7 @@ class ContactSolver {
     }
   }
 
-  /// Moves the tool as solved, and takes a part of the overlap back.
+  /// Moves the tool by the solution, and reduces the overlap by a part.
   void move() {
     const auto setVelocity = [&](const Vector6d& v) {
       state_.body.velocity = v.head<3>();
@@ -169,11 +170,11 @@ class ContactSolver {
     setVelocity(per_ / dt_ * (loads_.motion() + back.motion()));
     const double kept = travel(state_.body, reach_, longest_, dt_);
     out_.is_free = kept == 1 && loads_.total() == 0 && out_.sums.drag == 0;
-    setVelocity(kept * per_ / dt_ * loads_.motion());  // what was taken back is no velocity
+    setVelocity(kept * per_ / dt_ * loads_.motion());  // the recovery from overlap is no velocity
     countTravelFrom(start_);
   }
 
-  /// The evaluation, with loads and drag as they were solved with.
+  /// The evaluation, with the solved loads and drag.
   const ContactEvaluation& result() {
     const double solved = loads_.total() / per_;
     double cutting = 0;
@@ -188,7 +189,7 @@ class ContactSolver {
   }
 
  private:
-  /// How one object erodes.
+  /// Erosion of one object.
   struct Erosion {
     double still = 0;    ///< cutting load before erosion, at a scale of 1, N
     double rate = 0;     ///< rate times time
@@ -198,7 +199,7 @@ class ContactSolver {
   double wayOf(const Vector6d& motion) const { return motion.head<3>().norm() + reach_ * motion.tail<3>().norm(); }
   ContactInput inputOf(std::size_t object) const { return contactInput(model_, state_, state_.objects[object], dt_); }
 
-  /// Bricks of an object near the tool. For the same object again they are not searched again.
+  /// Bricks of an object near the tool. Repeated calls for the same object reuse the search.
   const NearBricks& nearOf(std::size_t object, const ContactInput& in) {
     if (object != near_of_) {
       if (!state_.near.find(state_.objects[object], tool_, in.T_object_tool)) out_.status |= kStepNearRanOut;
@@ -208,14 +209,14 @@ class ContactSolver {
     return state_.near;
   }
 
-  /// Tells the objects how far the tool has moved: see CutObject::odometer.
+  /// Adds the tool's motion to the objects: see CutObject::odometer.
   void countTravelFrom(const Rigid3& from) {
     const double way = (state_.body.pose.translation - from.translation).norm() +
                        tool_.reach_mm * rotationBetween(from.rotation, state_.body.pose.rotation).norm() + 1e-9;
     for (CutObject& object : state_.objects) object.odometer += way;
   }
 
-  /// Stored with the object's first point; null: the object has no point, and no load.
+  /// Stored with the object's first point; null: the object has no point and no load.
   Erosion* erosionOf(std::size_t object) {
     for (int n = 0; n < points_.size(); ++n)
       if (points_[n].object == static_cast<int>(object)) return &erosions_[static_cast<std::size_t>(n)];
@@ -236,9 +237,9 @@ class ContactSolver {
   const double device_way_;
   const CouplingSettings& coupling_;
   const double reach_;
-  const double per_;  // what a load does to b
+  const double per_;  // effect of a load on b
   ContactEvaluation out_;
-  std::size_t near_of_ = kNone;  // whose bricks state_.near lists, at the body's pose
+  std::size_t near_of_ = kNone;  // object of the bricks in state_.near, at the body's pose
   Matrix6d a_, drag_;
   Vector6d b_, metric_, twist_, ahead_;
   Wrench own_;

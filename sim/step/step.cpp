@@ -15,8 +15,8 @@
 namespace kerf {
 namespace {
 
-// Denormal numbers cost a hundred times as much as others, at unforeseeable moments. The mode belongs to the step, so
-// that it computes the same wherever it is called.
+// Denormal numbers cost a hundred times as much as others, at unforeseeable moments. The step sets the mode itself, so
+// that it computes the same for any caller.
 class FlushDenormals {
  public:
 #if defined(__SSE2__)
@@ -30,7 +30,8 @@ class FlushDenormals {
 #endif
 };
 
-/// Bricks sleep until the tool has moved far enough to reach them. After a jump none may: see CutObject::odometer.
+/// Bricks sleep until the tool has moved far enough to reach them. After a jump none may sleep: see
+/// CutObject::odometer.
 void wakeAll(State& state) {
   for (CutObject& object : state.objects) object.wake();
 }
@@ -41,17 +42,17 @@ struct Motion {
   Rigid3 tool_before;  ///< T_world_tool at the start of the tick
   CouplingSettings coupling;
   double longest_mm = 0;  ///< between two contact evaluations
-  double length_mm = 0;   ///< how far a part of the cutting head may move in all
+  double length_mm = 0;   ///< upper bound for any part of the cutting head
   int evaluations = 1;    ///< of contact
   double dt = kTick;      ///< between two of them, s
 };
 
-// How far a part of the cutting head gets between two poses, at most.
+// Upper bound of the motion of a part of the cutting head between two poses.
 double wayBetween(const Rigid3& from, const Rigid3& to, double reach_mm) {
   return (to.translation - from.translation).norm() + reach_mm * rotationBetween(from.rotation, to.rotation).norm();
 }
 
-// Phase 1. The force is zero and stays zero: a hand that comes back to a pressed tool must not be struck.
+// Phase 1. The force is zero and stays zero: it must not strike a hand that comes back to a pressed tool.
 bool latchIfUnusable(State& state, const DeviceSample& input, StepOutput& output) {
   if (!input.isUsable()) state.is_latched = true;
   if (!state.is_latched) return false;
@@ -68,7 +69,7 @@ bool latchIfUnusable(State& state, const DeviceSample& input, StepOutput& output
   return true;
 }
 
-// Erosion and filling leave a frozen object alone; whoever reads the output shall know.
+// Reports frozen objects, which erosion and filling skip.
 void reportFrozen(const State& state, StepOutput& output) {
   for (const CutObject& object : state.objects)
     if (object.isFrozen()) output.status |= kStepFrozen;
@@ -90,9 +91,9 @@ void filterDevice(State& state, const DeviceSample& input, const CouplingSetting
   state.device.pose = input.T_world_device;
 }
 
-// How far the coupling may take a body in this tick: as fast as it is, or as fast as it would become if contact held it
-// as it did in the last tick. A body that comes free, on which all of the coupling pulls at once, is slowed by travel()
-// for that tick.
+// How far the coupling may move a body in this tick: at its current speed, or at the speed it would reach if contact
+// held it as in the last tick. If a body comes free and the whole coupling pulls it at once, travel() slows it for that
+// tick.
 double wayOfBody(const State& state, const CouplingSettings& coupling, double reach_mm) {
   constexpr double kUnlimited = 1e9;  // mm
   ToolBody free = state.body;
@@ -106,7 +107,7 @@ void divideTick(const StepSettings& settings, Motion& motion, StepOutput& output
   motion.evaluations = static_cast<int>(std::min(std::ceil(motion.length_mm / motion.longest_mm), 1e6));
   motion.evaluations = std::max(motion.evaluations, 1);
   if (motion.evaluations > settings.most_substeps) {
-    // A machine's path is followed to its end all the same, in steps as short as they must be.
+    // A machine follows its path to the end, in steps as short as necessary.
     if (settings.rendering != Rendering::kRigid) motion.evaluations = settings.most_substeps;
     output.status |= kStepTooFast;
   }
@@ -135,7 +136,7 @@ Motion followDevice(const Model& model, State& state, const DeviceSample& input,
 
   switch (motion.attachment) {
     case Attachment::kFixed:
-      if (is_first) {  // the tool is where the device is: nothing was swept on the way there
+      if (is_first) {  // the tool is at the device: no sweep on the way there
         state.body.pose = state.device.pose;
         wakeAll(state);
       } else {
@@ -214,9 +215,9 @@ void runDrive(const Model& model, State& state, const DeviceSample& input, StepO
   output.speed = state.speed;
 }
 
-// What the hand is to feel, before fade-in and limits.
-// @param coupling  of this tick: the one that moved the tool.
-// @param is_free  nothing holds the tool: a proxy is where the hand wants it, and makes no force, not even of rounding.
+// Wrench for the hand, before fade-in and limits.
+// @param coupling  of this tick: it moved the tool.
+// @param is_free  nothing holds the tool: a proxy is at the hand's target, and makes no force, not even from rounding.
 Wrench wrenchOnHand(const StepSettings& settings, const CouplingSettings& coupling, const State& state,
                     const Wrench& contact, bool is_free) {
   const bool is_proxy = settings.attachment() == Attachment::kProxy;

@@ -1,27 +1,27 @@
-// The 1 kHz step: device in, force out, contact and erosion in between. One function, for the haptic thread and for
-// headless programs alike: same model, same state, same samples, same bits.
+// The 1 kHz step: device in, force out, contact and erosion in between. One function for the haptic thread and for
+// headless programs: same model, same state, same samples, same bits.
 //
 // A tick, in order:
 //   1. Latch. A sample that is late, not finite or out of range latches the state: zero force, the tool stands still,
-//      and nothing else happens until State::clearLatch(). A hand that comes back must not be struck.
+//      and nothing else happens until State::clearLatch(). The force must not strike a hand that comes back.
 //   2. Follow the device. Its velocity is low-passed, v += (1 - exp(-2 pi f dt)) (measured - v), f =
 //      CouplingSettings::filter_hz. The force fades in over StepSettings::ramp_s. The path of the tool in this tick is
-//      cut into n equal parts of dt = kTick / n, none longer than longestSubstep(): no wall is jumped over.
+//      cut into n equal parts of dt = kTick / n, none longer than longestSubstep(): the tool cannot jump over a wall.
 //   3. Evaluate contact n times. In each evaluation, object by object: find the bricks near the tool; sum the force and
-//      the drag of the shell's nodes; erode; repair the shells of what changed. Force and erosion see the same pose and
-//      the same field. Then the tool moves. Laws of pressure, drag and erosion: sim/step/contact.h. How contact moves
-//      the tool: by the response, sim/step/response.h.
+//      the drag of the shell's nodes; erode; repair the changed shells. Force and erosion see the same pose and field.
+//      Then the tool moves. Laws of pressure, drag and erosion: sim/step/contact.h. Motion of the tool by contact: the
+//      response, sim/step/response.h.
 //   4. Run the drive. Its speed follows pedal and mean load of the tick: see ToolDrive.
 //   5. Render to the hand: the wrench of the coupling (sim/step/coupling.h) or of contact, by StepSettings::rendering;
 //      times the fade-in; limited in size and in change per tick.
 //
 // While the state adds material (State::adds), an evaluation fills instead of steps "sum" and "erode": the drive stands
-// still and nothing is felt.
+// still and the hand feels nothing.
 //
 // Units: mm, N, s, rad. World frame: that of the scene; every object and the tool have poses in it.
-// Thread: the one that State belongs to. Model is const and may be shared.
-// @rt: step() allocates nothing, takes no lock, makes no system call and throws nothing. What runs out or is left out
-// sets a bit in StepOutput::status.
+// Thread: the owner of State. Model is const and may be shared.
+// @rt: step() allocates nothing, takes no lock, makes no system call and throws nothing. A limit or omission sets a bit
+// in StepOutput::status.
 #pragma once
 
 #include <vector>
@@ -41,18 +41,18 @@ namespace kerf {
 struct StepSettings {
   CouplingSettings coupling;
   Rendering rendering = Rendering::kCoupled;
-  /// Without effect for Rendering::kRigid, whose tool is where its machine says. With Rendering::kDirect the hand gets
-  /// the force of contact, but for the constraint: there it gets the spring of the coupling alone.
+  /// No effect for Rendering::kRigid, whose machine places the tool. With Rendering::kDirect the hand gets the force of
+  /// contact. Exception: with the constraint it gets the spring of the coupling alone.
   Response response = Response::kPenalty;
-  double restitution = 0;      ///< how much of the speed of approach comes back, 0 to 1: Response::kImpulse
-  bool geometry_only = false;  ///< cut whatever the tool sweeps, without resistance
+  double restitution = 0;      ///< returned fraction of the speed of approach, 0 to 1: Response::kImpulse
+  bool geometry_only = false;  ///< remove the tool's swept volume, without resistance
   int most_substeps = 8;       ///< contact evaluations within a tick, for fast motion
-  bool takes_turns = true;     ///< contacts too large for a tick: sim/step/contact_turns.h. False: to compare with
+  bool takes_turns = true;     ///< contacts too large for a tick: sim/step/contact_turns.h. False: for comparison
   double ramp_s = 0.2;         ///< force fades in over this long after the start
 
   /// The response that takes effect. @rt
   Response effectiveResponse() const { return rendering == Rendering::kRigid ? Response::kPenalty : response; }
-  /// What ties the tool to the device. @rt
+  /// How the tool is tied to the device. @rt
   Attachment attachment() const {
     const ResponseRow& row = rowOf(effectiveResponse());
     return rendering == Rendering::kCoupled ? row.coupled : row.direct;
@@ -66,93 +66,93 @@ struct Model {
   StepSettings settings;
 };
 
-/// Belongs to the thread that calls step(). Everything is reserved when it is made.
+/// Belongs to the thread that calls step(). The constructor reserves everything.
 struct State {
   State() : turns(kMostObjects) {}
   std::vector<CutObject> objects;
-  std::uint32_t next_id = 0;  ///< CutObject::id of the next object that comes into being
+  std::uint32_t next_id = 0;  ///< CutObject::id of the next new object
   std::size_t tool = 0;       ///< index into Model::tools; change it by selectTool()
   ToolBody body;
   double speed = 0;  ///< of the drive, as in ToolDrive
-  /// Not kNone: while the pedal is pressed the tool's cutting part adds this material to object `adds_to`. Its drive
-  /// stands still, and nothing is felt: paste gives way, and what lies below it has no surface of its own any more.
+  /// Not kNone: while the pedal is pressed, the tool's cutting part adds this material to object `adds_to`. Its drive
+  /// stands still, and the hand feels nothing: paste gives way, and covered tissue has no surface of its own any more.
   Material adds = Material::kNone;
   std::size_t adds_to = 0;
   DeviceMotion device;
   CoreDrag core_drag;                ///< of the last evaluation
   Vector6d grip = Vector6d::Zero();  ///< of friction at rest: advance()
-  Wrench last_force;                 ///< what went to the hand
-  std::uint64_t tick = 0;            ///< how many there were
+  Wrench last_force;                 ///< last output to the hand
+  std::uint64_t tick = 0;            ///< number of ticks
   bool has_device = false, is_latched = false;
-  double ramp = 0;  ///< of the force that fades in, 0 to 1
+  double ramp = 0;  ///< of the fade-in, 0 to 1
   NearBricks near, near_in_turn;
   std::vector<ContactTurns> turns;  ///< by object
 
-  /// Objects have changed their places. @rt
+  /// Call after objects have changed their places. @rt
   void forgetTurns() noexcept {
     for (ContactTurns& turn : turns) turn.forget();
     grip.setZero();
   }
-  /// No load and no drag of a core, and no grip.
+  /// Clears load and drag of the cores, and the grip.
   void forgetCore() noexcept {
     core_drag = {};
     grip.setZero();
     for (CutObject& object : objects) object.forgetCore();
   }
-  /// Puts the tool where a hand is, at rest: at the start, and after a pause. No force until contact.
+  /// Places the tool at the hand, at rest: at the start, and after a pause. No force until contact.
   void place(const Rigid3& T_world_tool) noexcept;
-  /// The same for a tool that is carried elsewhere: its drive goes on turning, and the force needs no fade-in. @rt
+  /// The same for a tool carried elsewhere: its drive keeps turning, and the force needs no fade-in. @rt
   void moveTool(const Rigid3& T_world_tool) noexcept;
-  /// Another tool, at rest. All bricks wake up. @rt
+  /// Takes another tool, at rest. All bricks wake up. @rt
   void selectTool(std::size_t index) noexcept;
-  /// After a fault, when the device is back. @rt
+  /// Call after a fault, when the device is back. @rt
   void clearLatch() noexcept {
     is_latched = false;
     forgetCore();
     has_device = false;
     ramp = 0;
   }
-  /// Of fields, tool and force: same inputs, same number on any build.
+  /// Hash of fields, tool and force: same inputs, same number on any build.
   std::uint64_t hash() const;
-  /// The same number, from what CutObject::hashNow() knows already. @rt as that is.
+  /// The same number, from the known hashes of CutObject::hashNow(). @rt with the same exception.
   std::uint64_t hashNow() noexcept;
 };
 
-/// Bits; each says which limit to raise or what happened.
+/// Bits; each names a limit to raise, or an event.
 enum StepStatus : std::uint32_t {
   kStepOk = 0,
-  /// CutObject::reserve: some bricks were not cut in this tick.
+  /// CutObject::reserve: memory ran out, and some bricks were not cut in this tick.
   kStepBricksRanOut = 1,
   /// More bricks are near the tool than NearBricks holds.
   kStepNearRanOut = 2,
-  /// The hand is faster than most_substeps evaluations follow: the tool lags, nothing was jumped over. A machine
-  /// (Rendering::kRigid) is followed to the end of its path all the same.
+  /// The hand is faster than most_substeps evaluations follow: the tool lags, and nothing was jumped over. A machine
+  /// (Rendering::kRigid) still follows its path to the end.
   kStepTooFast = 4,
   /// No usable sample: force is zero from now on, see State::clearLatch().
   kStepBadSample = 8,
-  /// The hand got less than the coupling wanted.
+  /// The hand got less force than the coupling required.
   kStepForceClamped = 16,
-  /// Something was not added: farther out than kAirAround, or after CutObject::kMostAdded bricks.
+  /// Part of the fill was omitted: farther out than kAirAround, or after CutObject::kMostAdded bricks.
   kStepFillClipped = 32,
-  /// An object is frozen (CutObject::isFrozen): nothing of it is cut, nothing added.
+  /// An object is frozen (CutObject::isFrozen): it is neither cut nor filled.
   kStepFrozen = 64
 };
 
 struct StepOutput {
   DeviceForce force;  ///< to the hand
-  /// On the tool, world axes, about the tip: pressure and drag, mean over the tick. What moved it, for a tool on the
-  /// coupling: see advance().
+  /// On the tool, world axes, about the tip: pressure and drag, mean over the tick. For a tool on the coupling, the
+  /// force that moved it: see advance().
   Wrench contact;
   Rigid3 T_world_tool;
   double normal_load = 0;   ///< N = integral of p dA, N
-  double cutting_load = 0;  ///< the part of it on what cuts, N
+  double cutting_load = 0;  ///< its part on the cutting part, N
   double removed_mm3 = 0, added_mm3 = 0;
   double drive_load = 0;                ///< of the spindle, N mm; of a stroke, N
   double power = 0;                     ///< of the drive into the tissue, N mm/s
   double speed = 0;                     ///< of the drive after the tick
   double area = 0, deepest = 0;         ///< mm^2, mm
   int tested = 0, touching = 0;         ///< nodes
-  std::uint64_t objects_touched = 0;    ///< objectBit() of each that the tool touched, with neck or shank, too
+  std::uint64_t objects_touched = 0;    ///< objectBit() of each touched object, by neck or shank too
   Material material = Material::kNone;  ///< the one with most of the area in contact
   int bricks_near = 0, bricks_cut = 0;
   int substeps = 0;  ///< contact evaluations

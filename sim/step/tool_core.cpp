@@ -10,17 +10,17 @@ namespace {
 constexpr double kPlaneStep = 0.005;   // mm along an axis
 constexpr double kMostApart = 0.15;    // mm: half of the thinnest wall, or its rim slips between two points
 constexpr double kLeastApart = 0.05;   // mm
-constexpr double kTipBare = 0.2;       // mm: how far a point goes in before its core is met
-constexpr double kEndOfBall = 0.95;    // a radius that grows like this belongs to a ball or flat that is still to come
-constexpr double kPointed = 0.6;       // one that grows faster is a point's
-constexpr double kDiscLike = 3;        // times as wide as its axis is deep
+constexpr double kTipBare = 0.2;       // mm: depth of a point before its core makes contact
+constexpr double kEndOfBall = 0.95;    // a radius that grows like this belongs to a ball or flat further up
+constexpr double kPointed = 0.6;       // a radius that grows faster belongs to a point
+constexpr double kDiscLike = 3;        // ratio of width to depth of the axis
 constexpr double kLatticeStep = 0.05;  // mm
 constexpr double kNoGradient = 0.8;    // of a distance, by central differences: at the medial axis
-constexpr double kThinStep = 0.025;    // mm, of a lattice within what is thin
+constexpr double kThinStep = 0.025;    // mm, of a lattice in thin parts
 constexpr double kThinApart = 0.1;     // mm, between thin points of a fin
 constexpr double kEdgeApart = 0.03;    // mm, of a point or an edge
 constexpr double kEdge = 0.03;         // mm, radius
-constexpr double kLostTip = -0.02;     // mm, radius: the table of a mesh is too coarse for a tip thinner than that
+constexpr double kLostTip = -0.02;     // mm, radius: a mesh's table is too coarse for a thinner tip
 constexpr std::size_t kMostOfLattice = 1024;
 constexpr double kAroundCut = 1;    // mm
 constexpr double kMostOfBox = 2e6;  // points of a lattice
@@ -47,7 +47,7 @@ class CoreMaker {
     }
   }
 
-  // Below the lowest point of the axis, where it is sharp.
+  // Adds points below the lowest point of the axis, where it is sharp.
   void addThinAxis() {
     const double low = box_.min[2], high = points.empty() ? box_.max[2] - 0.2 : static_cast<double>(points[0].place[2]);
     for (double z = low + kPlaneStep; z < high; z += kPlaneStep) {
@@ -59,7 +59,7 @@ class CoreMaker {
     }
   }
 
-  // Of a disc: a circle as far inside its rim as the disc is half thick.
+  // For a disc: a circle inside its rim, at a distance of half its thickness.
   void addRim() {
     const double widest = std::max(cut_.bounds().max[0], cut_.bounds().max[1]);
     const double height = 0.5 * (cut_.bounds().min[2] + cut_.bounds().max[2]);
@@ -73,7 +73,7 @@ class CoreMaker {
     }
   }
 
-  // Of a plate: where its middle is just as deep as the plate is half thick, along the outline.
+  // For a plate: the line inside its outline at which its middle reaches half its thickness.
   void addOutline(double half) {
     std::vector<Vec3d> rim;
     const int nx = static_cast<int>(std::ceil(box_.size()[0] / kLatticeStep));
@@ -82,7 +82,7 @@ class CoreMaker {
       for (int z = 0; z <= nz; ++z) {
         const Vec3d p(box_.min[0] + kLatticeStep * x, 0, box_.min[2] + kLatticeStep * z);
         if (radiusAt(p) < 0.95 * half) continue;
-        // At the rim: a step of two further on it is thinner.
+        // At the rim: two steps further on the plate is thinner.
         bool is_rim = false;
         for (const auto& [dx, dz] : {std::pair(2, 0), std::pair(-2, 0), std::pair(0, 2), std::pair(0, -2)})
           is_rim |= radiusAt(p + kLatticeStep * Vec3d(dx, 0, dz)) < 0.95 * half;
@@ -91,7 +91,7 @@ class CoreMaker {
     addThinned(rim, rim.size());
   }
 
-  // Around what cuts only: a handpiece is too thick to sink.
+  // Around the cutting part only: a handpiece is too thick to sink.
   void addLattice() {
     std::vector<Vec3d> found;
     Box3 box = cut_.bounds();
@@ -107,12 +107,12 @@ class CoreMaker {
           if (radius >= kThinnestCore && gradientAt(p, step_).norm() < kNoGradient) found.push_back(p);
           if (std::abs(radius) < kThinnestCore + step_) findThin(p);
         }
-    // From the tip upwards: what goes first must not be left out.
+    // From the tip upwards: the leading points must not be omitted.
     std::stable_sort(found.begin(), found.end(), [](const Vec3d& a, const Vec3d& b) { return a[2] < b[2]; });
     addThinned(found, kMostOfLattice);
   }
 
-  // What the lattice found, from the tip upwards.
+  // Adds the points of the lattice, from the tip upwards.
   void addThinLattice() {
     std::stable_sort(thin_.begin(), thin_.end(), [](const Vec3d& a, const Vec3d& b) { return a[2] < b[2]; });
     const std::size_t before = points.size();
@@ -145,7 +145,7 @@ class CoreMaker {
     return g;
   }
 
-  // Thin points in the cell of the lattice around p.
+  // Finds thin points in the cell of the lattice around p.
   void findThin(const Vec3d& p) {
     const int count = static_cast<int>(std::ceil(step_ / kThinStep));
     const double by = step_ / count;
@@ -171,7 +171,7 @@ class CoreMaker {
     points.push_back({at, static_cast<float>(radius), isOfCut(at)});
   }
 
-  // In their order, none nearer to one that is kept than half of its ball, within bounds.
+  // In their order, none nearer to a kept one than half of its ball, within bounds.
   void addThinned(const std::vector<Vec3d>& candidates, std::size_t most) {
     std::vector<Vec3d> kept;
     for (const Vec3d& p : candidates) {

@@ -1,7 +1,7 @@
 // The core of a tool: points of its medial axis, each the middle of a ball inside it. They may not enter an object.
 //
-// The shell's force grows with the overlap of surfaces, and ends where the overlap does: once a thin tip is past the
-// surface, nothing pushes it back. A core cannot get past the surface: sim/step/core_contact.h.
+// The shell's force grows with the overlap of surfaces, and ends with it: once a thin tip is past the surface, nothing
+// pushes it back. A core cannot get past the surface: sim/step/core_contact.h.
 #pragma once
 
 #include <vector>
@@ -23,12 +23,12 @@ inline constexpr double kThinnestCore = 0.07;
 
 /// The core of a tool of both parts, of which `body` may be empty.
 ///   revolved  points of the axis, from the lowest that lies deep enough; of a disc, a ring at its rim
-///   plate     points along the rim, where the plate is as thick as it gets
-///   others    points of a lattice around what cuts where the distance has no gradient, from the tip upwards
-/// Behind all of them the thin points, as far as tip or edge is sharper than 74 degrees.
+///   plate     points along the rim, where the plate reaches its full thickness
+///   others    points of a lattice around the cutting part where the distance has no gradient, from the tip upwards
+/// Last come the thin points, where tip or edge is sharper than 74 degrees.
 /// @param symmetry  of both parts.   @param half_thickness  of a plate, mm.
-/// @cost  of a mesh at most 2 million points of a lattice and eight for each at its surface, one after the other; any
-/// other tool thousands.
+/// @cost  for a mesh at most 2 million points of a lattice and eight for each at its surface, one after the other; for
+/// any other tool thousands.
 std::vector<CorePoint> makeToolCore(const ToolField& cut, const ToolField& body, ToolShape::Symmetry symmetry,
                                     double half_thickness);
 

@@ -12,13 +12,13 @@ namespace {
 constexpr double kGrindingEnergy = 22;                       // over the table's
 constexpr double kRadPerSecond = 2 * std::numbers::pi / 60;  // of one turn per minute
 
-// How far the drive's speed goes in one turn or cycle: rad or mm.
+// Motion of the drive in one turn or cycle: rad or mm.
 double wayPerCycle(const Tool& tool) {
   if (motionOf(tool) == ToolMotion::kSpin) return 2 * std::numbers::pi;
   return meanSpeed(tool.motion->way(tool), 1);
 }
 
-// What the numbers say, over what `drive` is already.
+// Puts the given numbers over those of `drive`.
 ToolDrive with(const DriveNumbers& said, const Tool& tool, ToolDrive drive) {
   if (said.frequency_hz) drive.speed = wayPerCycle(tool) * *said.frequency_hz;
   drive.stall_load = said.stall_load.value_or(drive.stall_load);
@@ -32,7 +32,7 @@ bool isDiamond(const Tool& tool) { return tool.iso ? tool.iso->material == "806"
 
 // Burs, drills and discs.
 ToolDrive spinDrive(const Tool& tool) {
-  constexpr double kDrillSpeed = 1750;  // mm / min: as drills for implants are used
+  constexpr double kDrillSpeed = 1750;  // mm / min: as for implant drills
   const Handpiece& handpiece = handpieceOf(tool);
   const double rpm = handpiece.rpm > 0 ? handpiece.rpm : kDrillSpeed / std::max(tool.head_diameter_mm, 0.5);
 
@@ -45,10 +45,10 @@ ToolDrive spinDrive(const Tool& tool) {
   drive.droop = handpiece.droop;
 
   if (isDrill(tool)) {
-    drive.energy_factor = 0.3;  // of its land: it reams what the lips leave
+    drive.energy_factor = 0.3;  // of its land: it reams the remains behind the lips
   } else if (isFrictionGrip(tool)) {
-    // Cutting friction is 0.4 of diamond, 0.5 of carbide, where the table has 0.3. The energies are such that 1 N takes
-    // what was measured in enamel: `kerf-bench drives`.
+    // Cutting friction is 0.4 of diamond, 0.5 of carbide, where the table has 0.3. With these energies 1 N removes the
+    // volume measured in enamel: `kerf-bench drives`.
     drive.drag_factor = isDiamond(tool) ? 4.0 / 3 : 5.0 / 3;
     drive.energy_factor = kGrindingEnergy;
   } else {
@@ -147,7 +147,7 @@ ToolModel makeToolModel(const Tool& tool, double margin_mm) {
   options.margin_mm = margin_mm;
   out.cut = ToolField(*tool.cut, options);
   if (tool.body) {
-    options.spacing_mm = 0.02;  // what only collides is longer, and leaves no print to measure
+    options.spacing_mm = 0.02;  // the body only collides: it is longer, and leaves no print to measure
     out.body = ToolField(*tool.body, options);
   }
   const bool has_symmetry = !tool.body || tool.body->symmetry() == tool.cut->symmetry();

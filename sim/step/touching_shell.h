@@ -1,5 +1,4 @@
-// The walk over a shell's nodes that overlap a tool: what the sums of contact and the gathering of contact points
-// share.
+// The walk over a shell's nodes that overlap a tool, for the sums of contact and the gathering of contact points.
 #pragma once
 
 #include <hwy/cache_control.h>
@@ -20,15 +19,15 @@ struct TouchingNode {
   Vec3d from_tip;         ///< object axes, mm
   float area;             ///< mm^2
   float phi, tau;         ///< mm; tau of the nearer of both fields
-  float tau_cut, gap;     ///< mm; gap = tau + phi < -ToolField::leastOverlap(). tau_cut is kFar where that is far off
-  bool body_is_near;      ///< tau is the nearer of cutting part and body; else the body is farther for certain
+  float tau_cut, gap;     ///< mm; gap = tau + phi < -ToolField::leastOverlap(). tau_cut is kFar if far away
+  bool body_is_near;      ///< tau is the nearer of cutting part and body; else the body is surely farther
   std::uint8_t material;  ///< number
 
   Vec3f normal() const { return area_vector / area; }  ///< outward unit normal, object axes
 };
 
-/// What forEachTouching() reads of every node. A large contact does not fit the caches: while one brick is summed, the
-/// next one's nodes come nearer.
+/// Prefetches the data that forEachTouching() reads of every node. A large contact does not fit the caches: while one
+/// brick is summed, the next one's nodes come nearer.
 inline void fetchShell(const CutObject::Slot& slot) {
   if (!slot.shell) return;  // not made yet
   for (int begin = 0; begin < slot.shell_count; begin += ShellChunk::kNodes) {
@@ -41,8 +40,8 @@ inline void fetchShell(const CutObject::Slot& slot) {
   }
 }
 
-/// Calls visit(node) for every node with an area that overlaps the tool, in the order of `near`. Lets bricks sleep that
-/// cannot touch for a while. @return how many nodes were tested. @rt if visit is.
+/// Calls visit(node) for every node with an area that overlaps the tool, in the order of `near`. Puts bricks to sleep
+/// that cannot touch for a while. @return number of nodes tested. @rt if visit is.
 template <class Visit>
 int forEachTouching(CutObject& object, const NearBricks& near, const ToolModel& tool, const Rigid3& T_object_tool,
                     const Visit& visit) noexcept {
@@ -65,9 +64,9 @@ int forEachTouching(CutObject& object, const NearBricks& near, const ToolModel& 
     const BrickToTool map(to_tool, T_object_tool.translation, slot.brick, h);
     const Vec3d corner = h * 8 * slot.brick.cast<double>() - T_object_tool.translation;
     const bool body_may_touch = has_body && near.leastBody(b) < -slot.least;
-    // What cuts is looked up where it may touch, or nearly so: a visitor may ask which of both parts is the nearer.
+    // Looks up the cutting part where it may nearly touch: a visitor may ask which of both parts is the nearer.
     const bool cut_is_near = !body_may_touch || near.leastCut(b) < beside - slot.least;
-    // How far the tool is from touching the brick. A part whose distance is not computed is known by its bound.
+    // Distance of the tool from touching the brick. A part without a computed distance has its bound.
     float clearance = has_body && !body_may_touch ? near.leastBody(b) + slot.least : ToolField::kFar;
     if (!cut_is_near) {
       clearance = near.leastCut(b) + slot.least;
@@ -80,13 +79,14 @@ int forEachTouching(CutObject& object, const NearBricks& near, const ToolModel& 
       const int count = std::min(kGather, slot.shell_count - begin), padded = (count + 7) / 8 * 8;
       placeShell(map.base, map.along, chunk.offset.data(), padded, px, py, pz);
       const float* phi = chunk.phi.data();
-      if (slot.isListed(SlotBit::kDirty)) {  // cut since, and no room was left to repair it
+      if (slot.isListed(SlotBit::kDirty)) {  // cut since, with no memory left for the repair
         valuesAt(slot.phi, chunk.offset.data(), padded, now);
         phi = now;
       }
       if (cut_is_near) tool.cut.distances(px, py, pz, cut, padded);
 
-      // Where what cuts is nearer than the body can be, there and a step further inwards, the body says nothing.
+      // Where the cutting part is nearer than the body can be, there and a step further inwards, the body has no
+      // effect.
       const bool body_is_near = body_may_touch && largestOf(cut, padded) > near.leastBody(b) - aside;
       if (body_is_near) tool.body.distances(px, py, pz, body, padded);
       tested += count;
