@@ -24,7 +24,7 @@
 namespace kerf {
 namespace {
 
-// ---- When a command can be given
+// ---- When a command is enabled
 
 bool always(const AppContext&) { return true; }
 bool isOpen(const AppContext& c) { return c.bench.isOpen(); }
@@ -36,7 +36,7 @@ bool isChosenAndIdle(const AppContext& c) { return piece_commands::isChosen(c) &
 bool hasJob(const AppContext& c) { return c.bench.job() != nullptr; }
 bool hasLost(const AppContext& c) { return !c.bench.lostSessions().empty() && isIdle(c); }
 
-// ---- What commands do
+// ---- Actions of commands
 
 Expected<void> openFile(AppContext& c, AppWords words) {
   KERF_TRY(path, pathOf(words));

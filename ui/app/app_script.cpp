@@ -30,24 +30,24 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// False: the program is to end.
+// Runs a frame. False if the program must end.
 bool goesOn(const AppContext& c, const std::function<void()>& frame) {
   frame();
   std::this_thread::sleep_for(std::chrono::milliseconds(16));
   return !c.wants_quit;
 }
 
-// A pause or a jump that is on its way; what is played goes on.
+// A pause or a jump is pending; playing does not count.
 bool isReplayBusy(const AppContext& c) {
   const WatchedRun* const run = c.bench.watched();
   return run && !run->isSettled() && !run->moment().is_playing;
 }
 
-// Of the session that is watched; to its end at most.
+// Waits in the time of the watched session, at most to its end.
 Expected<void> waitForReplay(AppContext& c, double seconds, const std::function<void()>& frame) {
   const std::size_t until = c.bench.watched()->moment().sample + static_cast<std::size_t>(seconds / kTick);
   while (goesOn(c, frame) && isReplayBusy(c)) {
-  }  // what was asked for last is on its way
+  }  // the last request is pending
   while (c.bench.isPlaying() && c.bench.watched()->moment().sample < until && goesOn(c, frame)) {
   }
   while (isReplayBusy(c) && goesOn(c, frame)) {
@@ -55,7 +55,7 @@ Expected<void> waitForReplay(AppContext& c, double seconds, const std::function<
   return {};
 }
 
-// Until a force-feedback device leads the tool.
+// Waits until a force-feedback device leads the tool.
 Expected<void> waitForDevice(AppContext& c, AppWords words, const std::function<void()>& frame) {
   KERF_TRY(seconds, numberOr(words, 1, 10, "SECONDS", 0, 36000));
   const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
@@ -66,7 +66,7 @@ Expected<void> waitForDevice(AppContext& c, AppWords words, const std::function<
                    c.bench.arm().view().missing);
 }
 
-// 0: none is open; 1: it is silent; 2: its hand is there; 3: the tool follows it; 4: and it may give force.
+// 0: no device open; 1: silent; 2: hand present; 3: leads the tool; 4: leads and is armed.
 int stageOfDevice(const AppContext& c) {
   const ArmView now = c.bench.arm().view();
   if (now.what.empty()) return 0;
@@ -81,7 +81,7 @@ Expected<void> wait(AppContext& c, AppWords words, const std::function<void()>& 
                                 c.bench.tissues().isBusy() || c.bench.exporting().isBusy() ||
                                 (c.bench.isShown() && c.bench.scene().triangleCount() == 0))) {
     }
-    if (c.bench.watched()) frame();  // takes the chunks that were meshed since the last look
+    if (c.bench.watched()) frame();  // takes newly meshed chunks
     return {};
   }
   if (words[0] == "device") return waitForDevice(c, words, frame);
@@ -103,8 +103,8 @@ nlohmann::json loopState(const Workbench& bench) {
   return out;
 }
 
-// What the program holds, MB: all of it that is in memory, of that what was asked for and is in use, and what was given
-// back and kept for later. Of the session: memory for bricks that change, its log on disk.
+// Memory of the program, MB: resident, heap in use, heap freed but kept. Of the session: pools for changed bricks, and
+// the log on disk.
 nlohmann::json memoryState(const Workbench& bench) {
   constexpr double kMb = 1e6;
   nlohmann::json out;
@@ -190,14 +190,14 @@ void printState(const AppContext& c) {
   std::fflush(stdout);
 }
 
-// Of the tool that cuts to pulp or nerve canal, mm; far: 1000.
+// Distance from the cutting tool to pulp or nerve canal, mm; far: 1000.
 double nearestOf(const AppContext& c) {
   constexpr double kFar = 1000;
   const auto near = c.bench.nearStructure({});
   return near && !near->is_far ? near->distance_mm : kFar;
 }
 
-// The same to what stands beside.
+// Distance from the cutting tool to the neighbours, mm; far: 1000.
 double nearestBeside(const AppContext& c) {
   constexpr double kFar = 1000;
   const auto near = c.bench.nearNeighbour({});
@@ -225,7 +225,7 @@ double sameness(const AppContext& c) {
   return c.bench.watched()->moment().verdict->is_same ? 1 : 0;
 }
 
-// Of the export panel: 1: ready to print; 0: not; -1: not known.
+// Print check of the export panel: 1: ready; 0: not ready; -1: unknown.
 double verdictOf(const AppContext& c) {
   using Stage = ExportPlan::Stage;
   const Stage now = c.bench.exporting().stage();
@@ -289,7 +289,7 @@ Expected<void> expect(const AppContext& c, AppWords words) {
   return wrongWord(fmt::format("{} {:g}", words[0], value), fmt::format("{:g} to {:g}", low, high));
 }
 
-// Notices that are errors end a script.
+// Fails on the first error notice.
 Expected<void> failOnError(const AppContext& c, std::size_t& seen) {
   for (; seen < c.bench.notices().size(); ++seen)
     if (const Notice& notice = c.bench.notices()[seen]; notice.is_error)

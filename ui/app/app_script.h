@@ -1,4 +1,4 @@
-// Scripts for the window: what a person would do, as lines.
+// Scripts for the window: user actions as lines of text.
 #pragma once
 
 #include <filesystem>
@@ -10,21 +10,20 @@
 
 namespace kerf {
 
-/// The words of a line of a script: blanks part them, double quotes keep them together, # begins a comment.
+/// Words of a script line. Blanks separate words, double quotes group them, # begins a comment.
 Expected<std::vector<std::string>> wordsOfLine(const std::string& line);
 
-/// Lines of commands; # begins a comment; words in double quotes may hold blanks. Beside the commands of the table:
-///   wait               until no job runs and no plane is sawn
-///   wait SECONDS       of the simulation
-///   print              state as one line of JSON on standard output
-///   expect WHAT LOW HIGH  ends the script unless removed (mm^3), depth (mm), near (mm from the tool that cuts to pulp
-///                      or nerve), warm (C, of the tissue under the tool), sawn (percent of the plane sawn last),
-///                      triangles, pieces, steps (done, since the session began) or ahead (steps that were taken back)
-///                      is in that range
-/// The first error ends it, and names the line.   @param frame  is called about 60 times a second while it waits.
+/// Runs the lines of a script, in the syntax of wordsOfLine(). Commands beyond the table:
+///   wait               as waitUntilSettled()
+///   wait SECONDS       in simulation time
+///   print              prints the state as one line of JSON on standard output
+///   expect WHAT LOW HIGH  ends the script if a value is out of range: removed (mm^3), depth (mm), near (mm from the
+///                      cutting tool to pulp or nerve), warm (C, tissue under the tool), sawn (percent of the last
+///                      plane), triangles, pieces, steps (done, since the session began), ahead (undone steps)
+/// The first error ends the script and names the line.   @param frame  called about 60 times a second during waits.
 Expected<void> runScript(AppContext& context, const std::filesystem::path& script, const std::function<void()>& frame);
 
-/// What `wait` does: until no job runs, no plane is sawn, and a replay has come where it was sent.
+/// Implements `wait`: returns when no job runs, no plane is being sawn, and a replay has reached its target.
 Expected<void> waitUntilSettled(AppContext& context, const std::function<void()>& frame);
 
 }  // namespace kerf

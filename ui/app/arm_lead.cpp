@@ -15,9 +15,9 @@ namespace {
 
 using Seconds = std::chrono::duration<double>;
 
-constexpr double kBack = 0.3;  // s that a hand is there before the tool goes with it
-constexpr double kGone = 1;    // s without a hand: it is gone, not late
-// s: a ms each until the transport's clock, Kerf's thread and the tick come round, as kerf live.
+constexpr double kBack = 0.3;  // s of presence before the hand leads the tool
+constexpr double kGone = 1;    // s without a hand before it counts as gone
+// s: 1 ms each for the transport's clock, Kerf's thread and the tick, as in kerf live.
 constexpr double kTransport = 0.003;
 
 WorkspaceMap mapOf(const ArmChoice& choice) {
@@ -96,7 +96,7 @@ std::optional<CouplingSettings> ArmLead::coupling() const {
 
 bool ArmLead::hasJustCome() const { return Seconds(Clock::now() - there_since_).count() < 2 * kBack; }
 
-// What a person can do something about first.
+// Reasons with a remedy for the user come first.
 std::string ArmLead::missingForForce() const {
   constexpr double kSlack = 1.001;
   if (!run_) return "nothing is open to be cut";
@@ -157,8 +157,8 @@ void ArmLead::closing() {
   hands_.reset();
 }
 
-// The haptic thread changes hands at its next read(). While something else holds the tool, a guide or a pause, that may
-// be much later: until then the arm is kept, disarmed as it is.
+// The haptic thread changes hands at its next read(). A guide or a pause that holds the tool can delay this read; until
+// then the disarmed arm is kept.
 void ArmLead::letGo() {
   constexpr int kMostMs = 100;
   for (int n = 0; hands_ && hands_->isInUse(arm_.get()) && n < kMostMs; ++n)
@@ -173,7 +173,7 @@ void ArmLead::stopLeading() {
 
 void ArmLead::forgetHand() { reached_ = {}; }
 
-// It was unplugged: looked for once a second.
+// Looks once a second for an unplugged device.
 void ArmLead::openAnew() {
   const Clock::time_point now = Clock::now();
   if (now < next_try_ || (hands_ && hands_->isInUse(arm_.get()))) return;
@@ -184,7 +184,7 @@ void ArmLead::openAnew() {
 
 ArmLead::News ArmLead::update(const HapticReport& report, bool may_lead) {
   News out;
-  std::erase_if(kept_, [](const Kept& kept) { return kept.first.use_count() == 1; });  // that session is over
+  std::erase_if(kept_, [](const Kept& kept) { return kept.first.use_count() == 1; });  // the session has ended
   if (!arm_) return out;
   may_lead = may_lead && !is_paused_;
   arm_->update();

@@ -1,11 +1,10 @@
-// The force-feedback arm of the window: opened by its name, it leads the tool while its hand is there, and gives force
-// while a person has armed it.
+// The force-feedback arm of the window. It leads the tool while its hand is present, and gives force while it is armed.
 //
 //   --device, device.open ──▶ waits ──hand for 0.3 s──▶ leads ──gone for 1 s──▶ waits       the mouse leads meanwhile
 //   device.arm ──▶ armed ──device.disarm, gone, another session, close──▶ not armed         force only while it leads
 //
-// The coupling of a session is made when it is opened: for the arm that is open then. An arm that can bear less gives
-// no force in it until that session is opened anew (device.fit).
+// Opening a session fixes its coupling for the open arm. An arm with lower limits gives no force until the session is
+// reopened (device.fit).
 #pragma once
 
 #include <chrono>
@@ -25,35 +24,35 @@ namespace kerf {
 class LiveRun;
 struct HapticReport;
 
-/// What a person has set about it.
+/// User settings of the arm.
 struct ArmChoice {
-  double most_force = 3;                 ///< N; never more than the device says it can
-  double scale = 1;                      ///< mm of the scene for a mm of the hand
-  double turn_deg = 0;                   ///< of the device about the scene's z axis
-  bool pedal_is_down = false;            ///< the drive turns without button 1
-  std::optional<DeviceProfile> profile;  ///< delay of the device alone; none: the default
+  double most_force = 3;                 ///< N; the device's own limit also applies
+  double scale = 1;                      ///< scene mm per hand mm
+  double turn_deg = 0;                   ///< rotation of the device about the scene's z axis
+  bool pedal_is_down = false;            ///< the drive runs without button 1
+  std::optional<DeviceProfile> profile;  ///< its delay is the device's alone; none: the default
 
   static constexpr double kLeastForce = 0.1, kMostForce = 20, kLeastScale = 0.05, kMostScale = 5;
 };
 
-/// For a panel and for scripts.
+/// State for the panel and for scripts.
 struct ArmView {
   std::string what;         ///< "bridge, port 4417 of this machine"
-  std::string missing;      ///< what keeps it from leading or giving force, with what to do; empty: nothing
-  bool is_there = false;    ///< its hand is less than 20 ms old
+  std::string missing;      ///< why it does not lead or give force, and the remedy; empty: no obstacle
+  bool is_there = false;    ///< the newest hand is less than 20 ms old
   bool is_leading = false;  ///< the tool follows it
-  bool is_armed = false;    ///< a person has armed it
+  bool is_armed = false;    ///< the user has armed it
   HandFrame hand;           ///< newest
-  ArmFelt felt;             ///< newest; of an arm that leads
+  ArmFelt felt;             ///< newest; only while it leads
   ArmCounts counts;
-  double age_p50_ms = 0, age_p99_ms = 0, age_p999_ms = 0;  ///< from a hand's coming to the force that answers it
-  /// Of places of the hand since it came, device frame, mm.
+  double age_p50_ms = 0, age_p99_ms = 0, age_p999_ms = 0;  ///< from the arrival of a hand to the force in response
+  /// Box of all hand positions since the hand appeared, device frame, mm.
   Box3 reached;
-  double scale = 1;       ///< mm of the scene for one of those
-  double most_force = 0;  ///< N, of all bounds in force
+  double scale = 1;       ///< scene mm per device mm
+  double most_force = 0;  ///< N, the lowest limit in force
 };
 
-/// One thread, the window's.
+/// Window thread only.
 class ArmLead {
  public:
   ArmLead() = default;
@@ -62,45 +61,45 @@ class ArmLead {
   ArmLead& operator=(const ArmLead&) = delete;
 
   /// @param name  "bridge", "bridge:PORT", "udp:PORT"; path or serial number of a force-feedback device.
-  /// Errors: kBadValue for a name; those of opening.
+  /// Errors: kBadValue for an unknown name; errors of opening.
   Expected<void> open(const std::string& name);
-  /// No force from now on; the device is closed.
+  /// Ends the force and closes the device.
   void close();
   bool isOpen() const { return arm_ != nullptr; }
   const std::string& name() const { return name_; }
   ForceArm* arm() const { return arm_.get(); }
 
   const ArmChoice& choice() const { return choice_; }
-  /// Another force, scale or turn: at once. Less than the coupling of the session was made for: the guard bounds it.
+  /// Applies at once. If the coupling of the session exceeds the new force limit, the guard bounds the force.
   void choose(const ArmChoice& choice);
-  /// Of the drive while the pedal is down: speed, -1 to 1 of the nominal one, and spray, 0 to 1.
+  /// Drive while the pedal is down: speed, -1 to 1 of the nominal speed, and spray, 0 to 1.
   void drive(double speed, double irrigation);
-  /// The window can not be seen, or asks something: it leads nothing.
+  /// Stops leading while the window is hidden or waits for an answer.
   void pause(bool is_paused) { is_paused_ = is_paused; }
 
-  /// For a session that is opened now: a coupling that the arm can bear. None: no arm is open.
+  /// Coupling within the limits of the arm, for a new session. None if no arm is open.
   std::optional<CouplingSettings> coupling() const;
-  /// Force from now on, faded in, while it leads. Errors: kUnsupported with what is missing.
+  /// Enables force, faded in, while the arm leads. Errors: kUnsupported with the reason.
   Expected<void> armForce();
   void disarmForce();
   bool isArmed() const { return arm_ && arm_->isEnabled(); }
-  /// Errors: kUnsupported: not armed, or something is touched; kBadValue: more than ForceArm::kMostTestForce.
+  /// Errors: kUnsupported: not armed, or the tool touches something; kBadValue: more than ForceArm::kMostTestForce.
   Expected<void> testForce(const Vec3d& newtons);
 
   // ---- A session
 
   void opened(LiveRun& run, std::shared_ptr<HandSwitch> hands);
-  /// Before the session is handed to who writes it.
+  /// Call before the session goes to its writer.
   void closing();
   bool isLeading() const { return is_leading_; }
 
-  /// Once a frame, after the report was taken.
-  /// @param may_lead  nothing else holds the tool, and the person sees it.
-  /// @return  sentences for people; `wants_go_on`: the session is latched, and may go on.
+  /// Call once a frame, after taking the report.
+  /// @param may_lead  nothing else holds the tool, and the user sees it.
+  /// @return  notices for the user; `wants_go_on`: the session is latched and may continue.
   struct News {
     std::vector<std::string> notices;
     bool wants_go_on = false;
-    bool wants_tool = false;  ///< it leads from now on: the tool is to be handed to it
+    bool wants_tool = false;  ///< it starts to lead: hand it the tool
   };
   News update(const HapticReport& report, bool may_lead);
 
@@ -117,7 +116,7 @@ class ArmLead {
   void openAnew();
 
   using Kept = std::pair<std::shared_ptr<HandSwitch>, std::shared_ptr<ForceArm>>;
-  std::vector<Kept> kept_;  // arms that a haptic thread may still call, with who calls them
+  std::vector<Kept> kept_;  // arms that a haptic thread may still call, with the calling switch
   std::string name_;
   std::shared_ptr<ForceArm> arm_;
   ArmChoice choice_;

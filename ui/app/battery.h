@@ -1,4 +1,4 @@
-// The battery of a wireless device, as its reports tell of it.
+// Battery state from the reports of a wireless device.
 #pragma once
 
 #include <optional>
@@ -14,7 +14,7 @@ struct Battery {
   bool is_charging = false;
 };
 
-/// None: the device has told of none.
+/// None if the device reports no battery.
 inline std::optional<Battery> batteryOf(const DeviceReading& reading) {
   if (reading.battery_percent < 0) return {};
   return Battery{reading.battery_percent, reading.is_charging};

@@ -130,7 +130,7 @@ void lookFrom(Camera& camera, const Vec3d& direction, const Vec3d& up) {
 
   const Vec3d level = camera.right(), right = up.cross(camera.backwards());
   const double roll = std::atan2(right.dot(camera.backwards().cross(level)), right.dot(level));
-  constexpr double kLevel = 1e-9;  // rad: what rounding makes is no roll
+  constexpr double kLevel = 1e-9;  // rad: below it is rounding
   if (std::abs(roll) > kLevel) camera.roll = roll;
 }
 
@@ -148,7 +148,7 @@ void fitTo(Camera& camera, const Mesh& mesh, int width, int height, double margi
   const double half_width = 0.5 * box.size().x(), half_height = 0.5 * box.size().y();
   double needed = std::max(half_height, half_width * height / width) / (1 - 2 * margin);
   if (camera.isPerspective()) {
-    // What is nearer than the target by z is seen within half_height - z tan(field / 2).
+    // At z in front of the target the visible half height is half_height - z tan(field / 2).
     const double slope = std::tan(0.5 * camera.field_of_view);
     needed = 0;
     for (const Vec3d& p : mesh.vertices) {

@@ -1,8 +1,8 @@
-// The camera of the window and of pictures. Parallel projection, unless a field of view is set: a length in mm is the
-// same everywhere. In perspective it is so in the plane through the target, the focus: nearer things are larger.
+// The camera of the window and of pictures. Default: parallel projection, one scale everywhere. With a field of view:
+// perspective, and mm are true in the focal plane through the target; nearer things are larger.
 //
-// World frame: right-handed, mm: that of the scan. Upright frame: the same turned about the axes, so that +z is up;
-// scans are stored with any side up. The camera stands off the target at azimuth and elevation, of the upright frame:
+// World frame: right-handed, mm, the frame of the scan. Upright frame: the world frame turned about its axes so that +z
+// is up, because a scan may have any side up. Azimuth and elevation place the camera about the target, in this frame:
 //   azimuth 0 looks along +y (the front), growing counter-clockwise seen from +z: 90 deg stands at +x (the right side).
 //   elevation 90 deg looks down on the occlusal side (+z), with +y up in the picture.
 // View frame: x right, y up, z towards the viewer, origin at the target.
@@ -25,9 +25,9 @@ struct Camera {
   double half_height = 10;                                ///< mm from the target to the upper edge, > 0: the zoom
   Eigen::Matrix3d upright = Eigen::Matrix3d::Identity();  ///< world direction -> upright direction: uprightFrame()
   double field_of_view = 0;                               ///< rad from the lower to the upper edge; 0: parallel
-  double roll = 0;                                        ///< rad: the picture is turned so far clockwise
+  double roll = 0;                                        ///< rad, clockwise rotation of the picture
 
-  /// Of the distance between eye and target: what is nearer to the eye is neither shown nor pointed at.
+  /// Fraction of the distance from eye to target. Nearer things are neither shown nor pickable.
   static constexpr double kNearest = 0.02;
   static constexpr double kLeastField = 5, kMostField = 90;  ///< deg
 
@@ -41,11 +41,10 @@ struct Camera {
   bool isPerspective() const { return field_of_view > 0; }
   /// mm from the target; only in perspective.
   double eyeDistance() const { return half_height / std::tan(0.5 * field_of_view); }
-  /// mm of a pixel's side where the point is, as a part of that at the target: 1 in parallel projection, at least
-  /// kNearest.
+  /// Pixel size at a point relative to the pixel size at the target: 1 in parallel projection, at least kNearest.
   double shrinkAt(const Vec3d& point) const;
   double mmPerPixelAt(const Vec3d& point, int height) const { return shrinkAt(point) * mmPerPixel(height); }
-  /// Unit, world frame: from a point along its line of sight.
+  /// Unit, world frame: from a point along its line of sight to the viewer.
   Vec3d towardsViewer(const Vec3d& point) const;
 };
 
@@ -56,35 +55,35 @@ struct NamedView {
 /// front, back, left, right, top (also: occlusal), bottom, iso.
 const std::vector<NamedView>& namedViews();
 
-/// A camera with the direction of a named view or of "AZ,EL" in degrees ("35,20"; EL in [-90, 90]); target and zoom are
-/// the defaults. Anything else is an error that lists the names.
+/// A camera with the direction of a named view or of "AZ,EL" in degrees ("35,20"; EL in [-90, 90]), with default target
+/// and zoom. Other text is an error that lists the names.
 Expected<Camera> cameraFromView(std::string_view view);
 
-/// The turn about coordinate axes after which the axis nearest to `up` is +z. For +z: none; for other sides +x stays,
-/// or for +-x +y does.   @pre  up is finite, not 0.
+/// Rotation about coordinate axes that brings the axis nearest to `up` to +z. For +z: none; for +-x it keeps +y, else
+/// +x.   @pre  up is finite, not 0.
 Eigen::Matrix3d uprightFrame(const Vec3d& up);
-/// "+x", "-x", "y" ...: the direction; anything else is an error that lists them.
+/// Direction of "+x", "-x", "y" ...; other text is an error that lists the names.
 Expected<Vec3d> axisFromName(std::string_view name);
-/// "+x" ... of the coordinate axis nearest to a direction.
+/// Name of the coordinate axis nearest to a direction: "+x" ...
 std::string nameOfAxis(const Vec3d& direction);
-/// The viewer stands in this direction (world, any length but 0), the camera's upright frame being what it is. From
-/// straight above +y of that frame is up in the picture.
+/// Puts the viewer in this direction (world, any length but 0) and keeps the upright frame. Seen from straight above,
+/// +y of that frame is up in the picture.
 void lookFrom(Camera& camera, const Vec3d& direction);
-/// The same exactly, and what points to `up` is upright in the picture, by a roll.   @pre  not parallel.
+/// The same, exact near the poles too; a roll makes `up` vertical in the picture.   @pre  not parallel.
 void lookFrom(Camera& camera, const Vec3d& direction, const Vec3d& up);
 
 /// Centres the mesh and zooms so that it just fits into width x height pixels, `margin` (fraction) free on each side.
-/// A mesh without vertices, or with all of them in one point, gets a 10 mm field about it. O(vertices).
+/// A mesh without vertices, or with all in one point, gets a 10 mm field about it. O(vertices).
 void fitTo(Camera& camera, const Mesh& mesh, int width, int height, double margin = 0.07);
 
 /// Mouse moves, in pixels (y downwards) of a window `height` pixels high.
 void orbit(Camera& camera, double dx, double dy);            ///< 0.5 deg per pixel; elevation stops at the poles
-void pan(Camera& camera, double dx, double dy, int height);  ///< what is under the cursor at the focus stays under it
+void pan(Camera& camera, double dx, double dy, int height);  ///< a focal point under the cursor stays under it
 void zoomBy(Camera& camera, double factor);                  ///< factor > 1 makes things larger
-/// Perspective or, with 0, parallel; things at the focus stay as large as they are.   @param angle  rad
+/// Perspective or, with 0, parallel. Things at the focus keep their size.   @param angle  rad
 void setFieldOfView(Camera& camera, double angle);
-/// In perspective: moves the target along the view to the depth of a point. The eye stays, and so does the picture.
-/// The eye then comes near to that surface when the view is zoomed in, never through it. Parallel: nothing.
+/// In perspective: moves the target along the view to the depth of a point; eye and picture stay. Zooming in then
+/// brings the eye near that surface, never through it. In parallel projection: no effect.
 void focusOn(Camera& camera, const Vec3d& point);
 
 /// Length of a scale bar: the largest 1, 2 or 5 times a power of ten, in mm, not over a quarter of the width.

@@ -19,7 +19,7 @@
 namespace kerf {
 namespace {
 
-// "nan", "-inf", "1e999"; what is no number at all CLI11 refuses itself.
+// "nan", "-inf", "1e999"; CLI11 itself rejects non-numbers.
 std::string notFinite(const std::string& word) {
   char* end = nullptr;
   const double value = std::strtod(word.c_str(), &end);
@@ -27,13 +27,13 @@ std::string notFinite(const std::string& word) {
   return is_number && !std::isfinite(value) ? word + " is not a finite number" : std::string();
 }
 
-// The command that was being read when the parser gave up: `kerf tool check`, not `kerf`.
+// The innermost command at the parse error: `kerf tool check`, not `kerf`.
 const CLI::App& commandInHand(const CLI::App& app) {
   const std::vector<CLI::App*> begun = app.get_subcommands();
   return begun.empty() ? app : commandInHand(*begun.back());
 }
 
-// "kerf tool check", as it is typed.
+// "kerf tool check", as typed.
 std::string typedName(const CLI::App& command) {
   const CLI::App* parent = command.get_parent();
   return parent ? typedName(*parent) + " " + command.get_name() : command.get_name();
@@ -52,8 +52,8 @@ bool isOption(const std::string& word) {
   return word.size() > 1 && word[0] == '-' && !is_number;
 }
 
-// What stands on the command line and belongs to nothing. CLI11 lists it from the last word to the first: the value of
-// an option that it does not know would come before the option.
+// Error for words that no option or command takes. CLI11 lists them from the last to the first: the value of an unknown
+// option would come before the option.
 Error aboutExtras(const CLI::App& command) {
   const std::vector<std::string> extras = command.remaining();
   const std::string name = typedName(command);
@@ -73,24 +73,24 @@ Error aboutExtras(const CLI::App& command) {
   return error;
 }
 
-// Words that nothing takes. Of a line that lacks something, too: what it lacks may be there, misspelt.
+// Also true for a missing required option if the line has an unknown one: it may be a misspelling.
 bool isAboutExtras(const CLI::ParseError& e, const CLI::App& command) {
   if (dynamic_cast<const CLI::ExtrasError*>(&e)) return true;
   const std::vector<std::string> extras = command.remaining();
   return dynamic_cast<const CLI::RequiredError*>(&e) && std::any_of(extras.begin(), extras.end(), isOption);
 }
 
-// "0.005", of "0.005000".
+// "0.005" from "0.005000".
 std::string shortNumber(const std::string& digits) { return fmt::format("{:g}", std::strtod(digits.c_str(), nullptr)); }
 
-// Limits as CLI11 writes them, all digits of the largest number among them.
+// Limits in CLI11's spelling, which gives the largest double in full.
 std::string rangeInWords(const std::string& low, const std::string& high) {
   const bool is_bounded = std::strtod(high.c_str(), nullptr) < 1e300;
   if (is_bounded) return fmt::format("a number from {} to {}", shortNumber(low), shortNumber(high));
   return "a number of " + shortNumber(low) + " or more";
 }
 
-// A value that is no number, or beyond its limits. CLI11 tells them in one sentence, "--voxel: Value 7 not in range
+// Error for a non-number or a value out of range. CLI11 reports them in one sentence: "--voxel: Value 7 not in range
 // 0.005000 to 5.000000", or "Could not convert: --push = x".
 std::optional<Error> aboutNumber(const CLI::ParseError& e, const CLI::App& command) {
   const std::string text = e.what();
@@ -121,7 +121,7 @@ std::optional<Error> aboutNumber(const CLI::ParseError& e, const CLI::App& comma
   return error;
 }
 
-// Whether a command that has --json was given it, as far as it can be told of a line that can not be parsed.
+// Best guess, as the line does not parse: the command has --json and the line contains it.
 bool asksForJson(const CLI::App& command, int argc, const char* const* argv) {
   const bool is_asked = std::find(argv, argv + argc, std::string_view("--json")) != argv + argc;
   return is_asked && command.get_option_no_throw("--json");
@@ -174,7 +174,7 @@ std::string printableJson(const nlohmann::json& json, int indent) {
 }
 
 void requireFiniteNumbers(CLI::App& app) {
-  // CLI11 keeps of an option's type only what --help says of it: "FLOAT", or "F:FLOAT in [0.001 - 1000]".
+  // CLI11 keeps only the --help text of an option's type: "FLOAT", or "F:FLOAT in [0.001 - 1000]".
   for (CLI::Option* option : app.get_options([](const CLI::Option*) { return true; }))
     if (option->get_type_name().find("FLOAT") != std::string::npos) option->check(CLI::Validator(notFinite, ""));
 

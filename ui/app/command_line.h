@@ -1,4 +1,4 @@
-// What both programs do with a command line.
+// Command line handling of both programs.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -13,26 +13,26 @@ namespace kerf {
 /// Exit codes of both programs.
 enum ExitCode : int {
   kOk = 0,
-  kFailed = 1,    ///< the work failed, or a check says no
+  kFailed = 1,    ///< the work or a check failed
   kUsage = 2,     ///< wrong command line
-  kCutShort = 3,  ///< a log ends before its session did: what is there was done, and is right
+  kCutShort = 3,  ///< the log is incomplete; the part up to its end was processed correctly
 };
 
-/// {"error": {"code": ..., "message": ..., ...}}, with the fields that the error has: how both programs answer --json.
+/// The --json answer of both programs: {"error": {"code": ..., "message": ..., ...}}, with the error's other fields.
 nlohmann::json errorJson(const Error& error, const std::string& message);
 
-/// As both programs print JSON: what is no UTF-8 becomes replacement characters, all control characters are escaped.
+/// JSON text of both programs: replacement characters for invalid UTF-8, escapes for all control characters.
 /// @param indent  -1: on one line.
 std::string printableJson(const nlohmann::json& json, int indent = 2);
 
-/// Makes every option that takes numbers refuse those that are not finite, in all commands: CLI::Range and the like let
-/// "nan" pass. To be called when all options are declared; --help stays as it is.
+/// Makes all numeric options of all commands reject non-finite numbers: CLI::Range and the like accept "nan". Call it
+/// after the declaration of all options. --help stays the same.
 void requireFiniteNumbers(CLI::App& app);
 
-/// Parses, which runs the command asked for. Nothing: go on. Otherwise help, version or what is wrong was printed, and
-/// this is the exit code: CLI11's own codes, 100 and more, stay inside. What a command throws goes through. An option
-/// that the command does not have is answered with the nearest name that it has. With --json on the line of a command
-/// that has it, {"error": {...}} is printed on standard output, too.
+/// Parses the line, which runs its command. @return  none: continue; else the exit code, after printing help, version
+/// or the error. CLI11's own codes, 100 and more, stay inside. Exceptions of a command pass through. The error for an
+/// unknown option suggests the nearest known name. If the command has --json and the line contains it, standard output
+/// also gets {"error": {...}}.
 std::optional<ExitCode> parseCommandLine(CLI::App& app, int argc, const char* const* argv);
 
 }  // namespace kerf

@@ -13,7 +13,7 @@
 namespace kerf {
 namespace {
 
-// Of UTF-8 the letters of Latin-1, too.
+// Also lowers Latin-1 letters in UTF-8.
 std::string lower(std::string_view text) {
   std::string out(text);
   unsigned char before = 0;
@@ -28,7 +28,7 @@ std::string lower(std::string_view text) {
 
 enum class Place { kNowhere, kWithin, kWordStart, kStart };
 
-// Where a word stands in a text at best.
+// Best position of a word in a text.
 Place placeOf(std::string_view text, const std::string& word) {
   const std::string in = lower(text);
   Place best = Place::kNowhere;
@@ -39,7 +39,7 @@ Place placeOf(std::string_view text, const std::string& word) {
   return best;
 }
 
-// In English, or as it is shown.
+// In English or translated.
 Place placeOfText(std::string_view text, const std::string& word) {
   return std::max(placeOf(text, word), placeOf(shownText(text), word));
 }
@@ -97,7 +97,7 @@ void CommandPalette::search() {
   selected_ = 0;
   if (asked_) return;
   found_ = findAppCommands(text_);
-  // Parameters behind an id: "cut.force 2"; also those that may be left out: "saw.cut 8".
+  // Parameters after an id: "cut.force 2"; optional ones too: "saw.cut 8".
   const std::size_t blank = text_.find(' ');
   const AppCommand* const whole = findAppCommand(std::string_view(text_).substr(0, blank));
   const bool has_parameters = whole && !whole->parameters.empty();
@@ -159,7 +159,7 @@ const AppCommand* CommandPalette::accept(AppContext& context) {
     return nullptr;
   }
 
-  // What was typed as parameters: all of the line, or what stands behind an id.
+  // Parameters: the whole line, or the text after an id.
   const bool names_it = !asked_ && text_.starts_with(command.id) && text_.find(' ') == command.id.size();
   if (asked_ || names_it) {
     const auto words = wordsOfLine(asked_ ? text_ : text_.substr(command.id.size()));

@@ -1,4 +1,4 @@
-// Finds a command by words, asks for its parameters in the same line, and runs it. The model of the palette: no window.
+// Finds a command by words, prompts for its parameters in the same line, and runs it. Model of the palette, no window.
 #pragma once
 
 #include <cstddef>
@@ -10,8 +10,8 @@
 
 namespace kerf {
 
-/// Commands in whose label, id, menu or description every word occurs, whatever its case, in English or as they are
-/// shown; those where it stands in the label first, then by the table. No words: all of them.
+/// Commands with every word in their label, id, menu or description, English or translated, in any case. Matches in the
+/// label come first; ties keep the order of the table. No words: all commands.
 std::vector<const AppCommand*> findAppCommands(std::string_view words);
 
 class CommandPalette {
@@ -24,13 +24,13 @@ class CommandPalette {
 
   const std::string& text() const { return text_; }
   void type(std::string_view characters);  ///< UTF-8
-  /// Deletes the last character; in an empty line the command that parameters are asked for is let go.
+  /// Deletes the last character; in an empty line, drops the command that waits for parameters.
   void erase();
-  /// Escape: back to the list, or away.
+  /// Escape: back to the list, or closes the palette.
   void back();
-  /// Null: commands are searched; else its parameters are typed.
+  /// The command that waits for its parameters; null during the search.
   const AppCommand* asked() const { return asked_; }
-  /// Why the last accept() did nothing; empty: it did.
+  /// Why the last accept() did nothing; empty: it succeeded.
   const std::string& error() const { return error_; }
 
   // ---- The list
@@ -40,9 +40,9 @@ class CommandPalette {
   void move(int rows);  ///< stops at the ends
   void select(std::size_t n);
 
-  /// Enter: runs the selected command, or asks for its parameters. "cut.force 2" runs at once. What is not enabled now
-  /// or is refused stays in the line, with error().
-  /// @return a command that needs a path: the caller asks for it. Else null.
+  /// Enter: runs the selected command, or prompts for its parameters. "cut.force 2" runs at once. If the command is
+  /// disabled or fails, its text stays in the line, with error().
+  /// @return a command that needs a path: the caller prompts for it. Else null.
   const AppCommand* accept(AppContext& context);
 
  private:

@@ -1,4 +1,4 @@
-// The words behind a command: numbers in their ranges, files, and what to say when they are wrong.
+// The words after a command: numbers in their ranges, files, and errors for wrong words.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// What a session has come to, as a value: two that are equal would be exported as the same mesh.
+// The state of a session as a value: equal stamps export the same mesh.
 #pragma once
 
 #include <cstdint>
@@ -14,12 +14,12 @@ struct CutStamp {
   struct Object {
     std::uint32_t id = 0;
     Rigid3 T_world_object;
-    std::string name;  ///< files are called by it
+    std::string name;  ///< part of file names
 
     bool operator==(const Object& other) const;
   };
   std::uint64_t generation = 0;  ///< of the workbench
-  std::uint64_t edits = 0;       ///< bricks that changed so far; it never falls
+  std::uint64_t edits = 0;       ///< changed bricks so far; never falls
   std::vector<Object> objects;   ///< in the scene
 
   bool operator==(const CutStamp&) const = default;

@@ -1,5 +1,4 @@
-// Commands about devices that are plugged in: what a SpaceMouse leads, and how, each kept at once; the force-feedback
-// device of the window.
+// Commands for devices: target and mapping of a SpaceMouse, saved at once; the window's force-feedback device.
 #pragma once
 
 #include "ui/app/app_commands.h"

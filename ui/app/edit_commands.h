@@ -1,4 +1,4 @@
-// Commands that take back and do again; rows of the table in app_commands.cpp.
+// Undo, redo, timeline and branch commands; rows of the table in app_commands.cpp.
 #pragma once
 
 #include "ui/app/app_commands.h"
@@ -14,7 +14,7 @@ Expected<void> go(AppContext& context, AppWords words);  ///< STEP
 Expected<void> begin(AppContext& context, AppWords words);
 Expected<void> end(AppContext& context, AppWords words);
 
-// Other lines of cutting.
+// Branches.
 
 bool hasBranches(const AppContext& context);
 Expected<void> branch(AppContext& context, AppWords words);  ///< [N]

@@ -10,7 +10,7 @@
 namespace kerf::export_commands {
 namespace {
 
-// Of the words of `export.pieces`. None: they are not understood.
+// Choice from the words of `export.pieces`. None: unknown words.
 std::optional<ExportChoice> choiceOf(const AppContext& c, AppWords words) {
   const std::string what = words.empty() ? "" : words[0], name = words.size() > 1 ? words[1] : "";
   if (what == "all") return ExportChoice{};

@@ -1,11 +1,11 @@
-// The commands export.*: what the export panel does, for menus, keys and scripts.
+// The commands export.*: the actions of the export panel, for menus, keys and scripts.
 #pragma once
 
 #include "ui/app/app_commands.h"
 
 namespace kerf::export_commands {
 
-bool canShow(const AppContext& c);  ///< or put away
+bool canShow(const AppContext& c);  ///< or hide
 bool isShown(const AppContext& c);
 bool isWritten(const AppContext& c);
 

@@ -56,7 +56,7 @@ void addLines(std::vector<ExportFinding>& out, const std::string& text, bool is_
     if (!line.empty()) out.push_back({is_warning, line});
 }
 
-// The first that is there and was not told.
+// The first existing file that is not in `told`.
 std::optional<fs::path> untoldOf(const std::vector<fs::path>& files, const std::vector<fs::path>& told) {
   std::error_code ignored;
   const auto at = std::find_if(files.begin(), files.end(), [&](const fs::path& file) {
@@ -67,7 +67,7 @@ std::optional<fs::path> untoldOf(const std::vector<fs::path>& files, const std::
 
 }  // namespace
 
-// ---- Shown
+// ---- Panel
 
 void ExportPlan::show(const fs::path& folder) {
   if (!bench_.isOpen()) return;
@@ -103,7 +103,7 @@ void ExportPlan::update() {
   start(Work::kCheck, {});
 }
 
-// ---- What is decided
+// ---- Choices
 
 std::vector<ExportOffer> ExportPlan::offers() const {
   std::vector<ExportOffer> out;
@@ -133,7 +133,7 @@ void ExportPlan::choose(const ExportChoice& choice) {
   forgetCheck();
   if (!is_named_) suggestFile(file_.parent_path());
   lookForReplaced();
-  if (work_ == Work::kCheck) bench_.cancelJob();  // of the other choice
+  if (work_ == Work::kCheck) bench_.cancelJob();  // the check of the previous choice
   wants_check_ = is_shown_;
 }
 
@@ -185,7 +185,7 @@ void ExportPlan::setName(const std::string& name) {
   lookForReplaced();
 }
 
-// Beside the scan of a user; what the program keeps itself is no place for files of theirs.
+// Beside the user's scan, but never in the program's own data folder.
 fs::path ExportPlan::suggestedFolder(const fs::path& otherwise) const {
   std::error_code failed;
   const fs::path source = fs::absolute(bench_.source(), failed);
@@ -208,7 +208,7 @@ void ExportPlan::suggestFile(const fs::path& folder) {
   file_ = folder / (name + ending);
 }
 
-// Before a check nobody knows the names of pieces: those of the list stand for them.
+// Before a check, the scene's object names stand in for the piece names.
 void ExportPlan::lookForReplaced() {
   asks_to_replace_ = false;
   replaced_.clear();
@@ -224,7 +224,7 @@ void ExportPlan::lookForReplaced() {
     if (fs::exists(file, ignored)) replaced_.push_back(file);
 }
 
-// ---- What the check says
+// ---- Check result
 
 bool ExportPlan::isCurrent() const { return prepared_ && stamp_ && stamp_ == bench_.stampNow(); }
 
@@ -254,7 +254,7 @@ std::vector<ExportFinding> ExportPlan::findings() const {
     addLines(out, describe(part.report), !part.report.print_ready);
     if (part.is_met) addLines(out, part.verdict(), true);
   }
-  if (!written_) addLines(out, prepared_->summary(), false);  // what was written says so, too
+  if (!written_) addLines(out, prepared_->summary(), false);  // the text of the written export has it too
   return out;
 }
 
@@ -265,7 +265,7 @@ void ExportPlan::check() {
 
 // ---- The job
 
-// What was checked is written as it is; else a copy of the scene is waited for, made into meshes and checked.
+// Writes checked meshes as they are; else waits for a copy of the scene, makes meshes and checks them.
 void ExportPlan::start(Work work, Permission permission) {
   if (bench_.isBusy() || bench_.isSawing()) return;
   if (work == Work::kWrite && !bench_.mayExportTo(file_)) return;
@@ -301,7 +301,7 @@ void ExportPlan::start(Work work, Permission permission) {
 
 void ExportPlan::take(Expected<Outcome> outcome, bool is_new, bool was_written) {
   work_ = Work::kNone;
-  // Another check is to follow: what was asked for waits for that one.
+  // If another check follows, the pending write waits for it.
   const auto wanted = wants_check_ ? std::nullopt : std::exchange(wants_write_, std::nullopt);
   if (!outcome) {
     const bool is_cancelled = outcome.error().code == Error::Code::kCancelled;
@@ -320,13 +320,13 @@ void ExportPlan::take(Expected<Outcome> outcome, bool is_new, bool was_written) 
 
   if (outcome->written) {
     if (outcome->choice.isWhole()) bench_.exported_ = stamp;
-    // The panel tells it, unless something else was decided meanwhile.
+    // The panel reports it, unless a choice changed meanwhile.
     const bool is_as_decided = is_still_chosen && outcome->file == file_;
     if (!is_shown_ || !is_as_decided) bench_.say(outcome->written->text);
     if (is_as_decided) written_ = std::move(outcome->written);
     return lookForReplaced();
   }
-  if (!is_still_chosen) return;  // it came too late
+  if (!is_still_chosen) return;  // outdated
   if (outcome->untold) return askToReplace(*outcome->untold);
   if (wanted && (prepared_->isReady() || wanted->may_be_doubtful)) return write(*wanted);
   if (!was_written && !wanted) return;
@@ -356,12 +356,12 @@ void ExportPlan::write(Permission permission) {
     asks_to_replace_ = true;
     return;
   }
-  // What a person has read as doubtful and asks for is written.
+  // Writes doubtful meshes if the user has seen the warning and repeats the request.
   permission.may_be_doubtful |= stage() == Stage::kDoubtful && !isOutdated();
   start(Work::kWrite, permission);
 }
 
-// A piece that was cut off meanwhile has a file of its own.
+// A piece that came off meanwhile has a file of its own.
 void ExportPlan::askToReplace(const fs::path& untold) {
   lookForReplaced();
   asks_to_replace_ = true;

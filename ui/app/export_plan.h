@@ -1,9 +1,9 @@
-// An export before it is written: what of the object, in which format, where to, and what a check says of it. The state
-// of the window's export panel; scripts reach it by the commands export.*.
+// A planned export: selection, format, file and check result. Model of the window's export panel; scripts use it
+// through the commands export.*.
 //
-// What is checked is kept, so that write() writes those very meshes; if something was cut since, they are made and
-// checked anew, and what is then not ready is not written before somebody has read so. Owned by the Workbench, and on
-// its thread; the work is a job.
+// The plan keeps the checked meshes and write() writes these. After further cutting it makes and checks new meshes; if
+// they are not ready to print, it writes them only after the user has seen the warning. Owned by the Workbench, on its
+// thread; the work is a job.
 #pragma once
 
 #include <cstdint>
@@ -24,13 +24,13 @@ namespace kerf {
 class Workbench;
 struct MeshFormatRow;
 
-/// Something of what is open that can be exported.
+/// A part of the open object that can be exported.
 struct ExportOffer {
   std::string label;  ///< "All pieces in one file"
   ExportChoice choice;
 };
 
-/// A line of what a check says.
+/// A line of a check result.
 struct ExportFinding {
   bool is_warning = false;
   std::string text;
@@ -41,51 +41,51 @@ class ExportPlan {
   explicit ExportPlan(Workbench& bench) : bench_(bench) {}
 
   bool isShown() const { return is_shown_; }
-  /// Suggests a file, beside the scan if that can be, and begins the check.   @param folder  where else; may be empty.
+  /// Suggests a file, if possible beside the scan, and starts the check.   @param folder  fallback; may be empty.
   void show(const std::filesystem::path& folder);
   void hide();
-  /// Once a frame, by the workbench.
+  /// The workbench calls it once a frame.
   void update();
 
-  // ---- What is decided
+  // ---- Choices
 
-  /// All that can be chosen now: at least one when something is open.
+  /// All current choices: at least one if an object is open.
   std::vector<ExportOffer> offers() const;
   const ExportChoice& choice() const { return choice_; }
-  /// Another choice is checked anew.
+  /// A new choice starts a new check.
   void choose(const ExportChoice& choice);
-  /// Formats that are written: rows of the table of mesh formats.
+  /// Writable formats: rows of the table of mesh formats.
   static std::vector<const MeshFormatRow*> formats();
-  /// By the file's ending. Null: the ending is of none that is written.
+  /// Format of the file's ending. Null if Kerf does not write it.
   const MeshFormatRow* format() const;
-  /// The name gets the usual ending of it.   Error kBadValue: none of that name is written.
+  /// Gives the file the format's usual ending.   Error kBadValue: no writable format has that name.
   Expected<void> setFormat(const std::string& name);
   const std::filesystem::path& file() const { return file_; }
-  /// A name without an ending keeps that of now; a relative one is in the working folder.   Error kBadValue: no name,
-  /// or an ending that is not written.
+  /// A name without an ending keeps the current one; a relative path starts in the working folder.   Error kBadValue:
+  /// no name, or an ending that Kerf does not write.
   Expected<void> setFile(const std::filesystem::path& file);
-  /// While it is typed: whatever it is, in the folder of now.
+  /// Sets the name in the current folder without validation, during typing.
   void setName(const std::string& name);
-  /// Files that would be replaced.
+  /// Existing files that write() would replace.
   const std::vector<std::filesystem::path>& replaced() const { return replaced_; }
 
-  // ---- What the check says
+  // ---- Check result
 
   enum class Stage {
-    kUnchecked,  ///< nobody has, or it was cancelled
+    kUnchecked,  ///< not started, or cancelled
     kChecking,
-    kRefused,   ///< it can not be exported: error()
-    kReady,     ///< to print
-    kDoubtful,  ///< it can be written, but is not ready to print
+    kRefused,   ///< cannot be exported: error()
+    kReady,     ///< ready to print
+    kDoubtful,  ///< can be written, but is not ready to print
     kWriting,
-    kWritten  ///< and nothing was decided otherwise since
+    kWritten  ///< and no choice changed since
   };
   Stage stage() const;
-  /// Plain sentences with numbers: those of `kerf check`, for each file. Empty before a check.
+  /// Sentences of `kerf check` for each file. Empty before a check.
   std::vector<ExportFinding> findings() const;
-  /// Something was cut or moved since.
+  /// The object was cut or moved since the check.
   bool isOutdated() const;
-  /// Why it was refused, or not written; empty: it was not.
+  /// Why the check or the write failed; empty: no failure.
   const std::string& error() const { return error_; }
   /// Makes the meshes and checks them. A job.
   void check();
@@ -93,23 +93,22 @@ class ExportPlan {
   // ---- Writing
 
   struct Permission {
-    bool may_replace = false;      ///< files that are there
-    bool may_be_doubtful = false;  ///< what is not ready to print
+    bool may_replace = false;      ///< existing files
+    bool may_be_doubtful = false;  ///< meshes that are not ready to print
   };
-  /// A job; during the check it follows it, if that says it is ready. What would replace a file, or is not ready, is
-  /// written when it is asked for a second time, or with that permission: asksToReplace(). If more files would be
-  /// replaced than were told, because there are more pieces now, it asks once more.
+  /// A job. During a check it waits and then runs if the meshes are ready. Replacing files (asksToReplace()) or writing
+  /// unready meshes needs a second call or the permission. If new pieces would replace further files, it prompts again.
   void write(Permission permission);
   void write() { write({}); }
-  /// write() was asked for, and would replace files: once more, and it does.
+  /// write() would replace files and waits for a second call.
   bool asksToReplace() const { return asks_to_replace_; }
-  /// What was written last. None: nothing yet, since it was shown.
+  /// The last written export. None: nothing written since show().
   const std::optional<WrittenExport>& written() const { return written_; }
-  /// It is written, and nothing was decided otherwise or cut since: there is nothing more to do.
+  /// Written, and no choice or object changed since.
   bool isDone() const { return stage() == Stage::kWritten && !isOutdated(); }
-  /// Shows what was written in the file manager.   Error kEmpty: nothing was; those of ShowInFolder::begin().
+  /// Shows the written files in the file manager.   Error kEmpty: none written; those of ShowInFolder::begin().
   Expected<void> showInFolder();
-  /// Its own work is under way: a job, or the file manager is asked.
+  /// A job of the plan runs, or the request to the file manager is pending.
   bool isBusy() const { return work_ != Work::kNone || showing_.isUnderWay(); }
 
  private:
@@ -118,10 +117,9 @@ class ExportPlan {
     ExportChoice choice;
     std::filesystem::path file;
     std::shared_ptr<const PreparedExport> prepared;
-    std::optional<CutStamp> stamp;  // of `prepared`, where that was made before; else it is the one handed over
+    std::optional<CutStamp> stamp;  // of an earlier `prepared`; a new one has the stamp of the handed-over scene
     std::optional<WrittenExport> written{};
-    std::optional<std::filesystem::path>
-        untold{};  // a file that would be replaced and was not told: nothing is written
+    std::optional<std::filesystem::path> untold{};  // an unannounced file that would be replaced: nothing is written
   };
   std::filesystem::path suggestedFolder(const std::filesystem::path& otherwise) const;
   void suggestFile(const std::filesystem::path& folder);
@@ -135,7 +133,7 @@ class ExportPlan {
   Workbench& bench_;
   bool is_shown_ = false, wants_check_ = false, is_named_ = false, asks_to_replace_ = false;
   std::optional<Permission> wants_write_;
-  std::uint64_t generation_ = 0;  // of the workbench, when it was shown
+  std::uint64_t generation_ = 0;  // of the workbench at show()
   std::filesystem::path file_, named_for_;
   ExportChoice choice_;
   std::vector<std::filesystem::path> replaced_;
@@ -147,10 +145,10 @@ class ExportPlan {
   ShowInFolder showing_;
 };
 
-/// For the job of an export: the scene, when it is handed over.   Error kCancelled.
+/// For the export job: waits for the handed-over scene.   Error kCancelled.
 Expected<SceneCopy> waitForScene(std::future<SceneView>& given, const Progress& progress);
 
-/// As one JSON object, for scripts.
+/// State as one JSON object, for scripts.
 std::string exportState(const ExportPlan& plan);
 
 }  // namespace kerf

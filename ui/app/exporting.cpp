@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Vertices of every triangle, in their order: what a file has to bring back whatever its format.
+// Checks that the file returns the vertices of every triangle in order, in any format.
 Expected<Mesh> readBack(const fs::path& file, const Mesh& mesh) {
   KERF_TRY(read, readMesh(file));
   Mesh& back = read.mesh;
@@ -47,7 +47,7 @@ tl::unexpected<Error> noSuchPiece() {
                .hint = "choose it in the list of pieces"});
 }
 
-// Pieces that were moved may reach into each other though each of them is right.
+// Moved pieces may intersect although each is right.
 ExportPart partOfExport(std::string piece, Mesh mesh, std::span<const PlacedPiece> together = {}) {
   ExportPart out;
   out.piece = std::move(piece);
@@ -65,7 +65,7 @@ ExportPart partOfPiece(PlacedPiece& piece) {
   return out;
 }
 
-// What goes into which file.
+// Contents of each file.
 Expected<std::vector<ExportPart>> partsOfExport(LiveResult& result, const SceneCopy& scene, const ExportChoice& choice,
                                                 const ObjectNames& names) {
   std::vector<ExportPart> out;
@@ -93,7 +93,7 @@ Expected<std::vector<ExportPart>> partsOfExport(LiveResult& result, const SceneC
   return out;
 }
 
-// One file.   @return  a line about it.
+// Writes one file.   @return  a line about it.
 Expected<std::string> write(const ExportPart& part, const ObjectNames& names, const fs::path& file, bool& is_ready) {
   const NamedMesh named = part.objects.empty() ? names.grouped(part.mesh, file) : NamedMesh{part.mesh, part.objects};
   KERF_CHECK(writeMesh(file, named.mesh, {.objects = named.objects}));

@@ -1,5 +1,5 @@
-// From a session to files for the printer: pieces put where they are and checked; then written, read back, compared and
-// checked again.
+// From a session to files for the printer. Places and checks the pieces, writes them, then reads back, compares and
+// checks the files.
 //
 // Long work without a thread of its own: the workbench calls it in a job.
 #pragma once
@@ -19,43 +19,42 @@
 
 namespace kerf {
 
-/// What of an object in pieces is exported.
+/// Selection of an export.
 struct ExportChoice {
-  bool is_put_back = false;                ///< pieces where they were loaded, wherever they were moved to
-  bool is_each = false;                    ///< a file a piece: NAME-PIECE.stl in the place of NAME.stl
+  bool is_put_back = false;                ///< pieces at their loaded poses, without moves
+  bool is_each = false;                    ///< a file per piece: NAME-PIECE.stl instead of NAME.stl
   std::optional<std::uint32_t> only = {};  ///< one piece
-  std::size_t beside = 0;                  ///< not the object that is worked on: the neighbour of that number
+  std::size_t beside = 0;                  ///< number of a neighbour to export; 0: the worked-on object
 
-  /// All pieces of what is worked on are in it.
+  /// Contains all pieces of the worked-on object.
   bool isWhole() const { return !only && beside == 0; }
 
   bool operator==(const ExportChoice&) const = default;
 };
 
-/// What goes into one file.
+/// Content of one file.
 struct ExportPart {
-  std::string piece{};  ///< its name; empty: all in one
-  Mesh mesh{};          ///< as it would be written
-  MeshReport report{};  ///< of checkMesh(): what `kerf check` says of it
-  bool is_met =
-      false;  ///< not ready, though each of its pieces is: they reach into each other where they were moved to
-  std::vector<NamedPart> objects{};  ///< of pieces; empty: as PreparedExport::names has them
+  std::string piece{};               ///< its name; empty: all in one
+  Mesh mesh{};                       ///< as written
+  MeshReport report{};               ///< of checkMesh(), as in `kerf check`
+  bool is_met = false;               ///< not ready, though each piece is: the moved pieces intersect
+  std::vector<NamedPart> objects{};  ///< of pieces; empty: as in PreparedExport::names
 
-  /// A sentence: whether it can be printed, and what to do about it.
+  /// A sentence: ready to print or not, and the remedy.
   std::string verdict() const;
 };
 
-/// What an export would write, before anything is written.
+/// An export before writing.
 struct PreparedExport {
-  std::vector<ExportPart> parts{};  ///< a file each
+  std::vector<ExportPart> parts{};  ///< one per file
   ObjectNames names{};              ///< of the case
-  bool is_each = false;             ///< files have the names of their pieces
+  bool is_each = false;             ///< file names contain the piece names
   double removed_mm3 = 0;
-  std::size_t vertices_kept = 0;      ///< of the solid, bit for bit
+  std::size_t vertices_kept = 0;      ///< vertices of the solid kept bit for bit
   std::size_t pieces = 0, moved = 0;  ///< of the object
 
   bool isReady() const;
-  /// Where the parts go.   @param file  as asked for: its ending is the format.
+  /// Files of the parts.   @param file  the chosen file; its ending is the format.
   std::vector<std::filesystem::path> filesFor(const std::filesystem::path& file) const;
   /// "removed 17.915 mm3, 26954 vertices of the solid kept bit for bit"
   std::string summary() const;
@@ -64,17 +63,17 @@ struct PreparedExport {
 struct WrittenExport {
   std::vector<std::filesystem::path> files;
   bool is_ready = false;  ///< as read back
-  std::string text;       ///< what was written, and whether it can be printed: for the user
+  std::string text;       ///< for the user: files written, and whether they are ready to print
 };
 
-/// What a copy of a scene holds, checked.
-/// Errors: those of LiveRun::postOperative() and placedPieces(); kNotFound: there is no such piece.
-/// @cost  of postOperative(), and of checkMesh() for each part.
+/// Makes and checks the meshes of a scene copy.
+/// Errors: those of LiveRun::postOperative() and placedPieces(); kNotFound: no such piece.
+/// @cost  postOperative(), and checkMesh() for each part.
 Expected<PreparedExport> prepareExport(const LiveRun& run, const SceneCopy& scene, const ExportChoice& choice,
                                        const Progress& progress = {});
 
-/// Writes it, reads it back, compares and checks what was read. Nothing is written before all files are known to be
-/// writable, and none of them a scan.   Error kWriteFailed, kBadValue; it names what was written before.
+/// Writes the files, reads them back, compares and checks. It first verifies that all files are writable and that none
+/// is a scan.   Error kWriteFailed, kBadValue; the hint lists files already written.
 Expected<WrittenExport> writeExport(const PreparedExport& prepared, const LiveRun& run,
                                     const std::filesystem::path& file);
 

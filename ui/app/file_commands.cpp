@@ -8,7 +8,7 @@
 namespace kerf {
 namespace {
 
-// 1 is the first.
+// Counts from 1.
 Expected<std::size_t> indexOf(AppWords words, std::size_t count, bool may_be_left_out) {
   std::size_t n = 0;
   if (words.empty() && may_be_left_out && count > 0) return n;

@@ -14,7 +14,7 @@ namespace kerf {
 namespace {
 
 constexpr double kFullAxis = 32767;
-constexpr int kFirstTwist = 2;  // axes of the stick come before
+constexpr int kFirstTwist = 2;  // after the axes of the stick
 
 double stickShare(int value) { return std::clamp(value / kFullAxis, -1.0, 1.0); }
 
@@ -61,7 +61,7 @@ GameController::State::State() {
     trouble = phrase("No gamepad can be read: {}", SDL_GetError());
     return;
   }
-  // States are asked for: no events fill SDL's queue.
+  // Kerf polls states, so no events fill SDL's queue.
   SDL_JoystickEventState(SDL_IGNORE);
   SDL_GameControllerEventState(SDL_IGNORE);
 }

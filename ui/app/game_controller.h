@@ -1,15 +1,14 @@
-// The gamepad or joystick of the window, through SDL: found, opened, read, shaken. A joystick leads as a gamepad does:
+// Finds, opens, reads and shakes the gamepad or joystick of the window through SDL. Joystick controls:
 //
 //   stick               leads the tool over the surface        twist, hat   turns the view
-//   button 1, trigger   drills                                 button 2     takes back a stroke
-//   buttons 3, 4        take the tool before, the next one
+//   button 1, trigger   drills                                 button 2     undoes a stroke
+//   buttons 3, 4        previous and next tool
 //
-// Twist is the first axis beyond the stick that is near its middle when the joystick is opened: a throttle seldom is.
-// Gamepads alone are shaken: a wheel with strong motors is a joystick for the system.
+// Twist is the first axis beyond the stick that is near its middle at opening; a throttle seldom is. Only gamepads
+// shake, because the system lists a wheel with strong motors as a joystick.
 //
-// SDL reads the event nodes of the kernel (hidapi is for the SpaceMouse), so the kernel stops the motors of a program
-// that was killed. SDL ends a shake() by itself, but only while read() is called: the motors of a program that hangs
-// run on for up to 65 s.
+// SDL reads the kernel's event nodes (hidapi is for the SpaceMouse), so the kernel stops the motors of a killed
+// program. SDL ends a shake() only during calls of read(): if the program hangs, the motors run on for up to 65 s.
 #pragma once
 
 #include <memory>
@@ -20,27 +19,26 @@
 
 namespace kerf {
 
-/// One thread, the window's. One object at a time: SDL is the whole process's.
+/// Window thread only. One object at a time, because SDL's state is global.
 class GameController {
  public:
-  static constexpr double kShakeSeconds = 0.2;  ///< of one shake()
+  static constexpr double kShakeSeconds = 0.2;  ///< duration of one shake()
 
   GameController();
   ~GameController();
   GameController(const GameController&) = delete;
   GameController& operator=(const GameController&) = delete;
 
-  /// Once a frame: looks for devices, reads the open one. The first gamepad leads, else the first joystick; none:
-  /// neither is plugged in.
+  /// Call once a frame: looks for devices and reads the first gamepad, else the first joystick. None: neither is
+  /// plugged in.
   std::optional<GamepadState> read();
-  /// A sentence for a notice since the last call: a device was opened or unplugged, a device cannot be opened, or SDL
-  /// does not start.
+  /// A notice since the last call: a device was opened or unplugged, a device failed to open, or SDL failed to start.
   std::optional<std::string> news();
-  /// The open device as SDL names it; empty: none.
+  /// SDL's name of the open device; empty: none.
   const std::string& name() const noexcept;
   bool isJoystick() const noexcept;
   bool canShake() const noexcept;
-  /// Shakes the gamepad for kShakeSeconds; zero: stops it. Each frame again while it drills.
+  /// Shakes the gamepad for kShakeSeconds; zero stops it. Repeat each frame while drilling.
   void shake(const Rumble& wanted);
 
  private:

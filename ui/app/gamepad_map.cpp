@@ -7,7 +7,7 @@
 namespace kerf {
 namespace {
 
-// From rest to 1, without a step; gentle near rest.
+// Maps rest to full travel onto 0 to 1, continuous, quadratic near rest.
 Eigen::Vector2d ofStick(const Eigen::Vector2d& stick) {
   const double size = stick.norm();
   if (!(size > GamepadLimits::kStickRest)) return Eigen::Vector2d::Zero();
@@ -37,9 +37,9 @@ GamepadWish wishOf(const GamepadState& now, const GamepadState& before, double s
 }
 
 Rumble rumbleOf(const HapticReport& report, double drive_share) {
-  constexpr double kFine = 0.25;      // of the fast motor, at full speed in the air
-  constexpr double kHeavy = 3;        // N of contact that shake the slow motor fully
-  constexpr double kStanding = 0.05;  // of the free speed: below it nothing is felt
+  constexpr double kFine = 0.25;      // share of the fast motor at full speed in air
+  constexpr double kHeavy = 3;        // N of contact for full power of the slow motor
+  constexpr double kStanding = 0.05;  // share of the free speed; slower drives do not shake
   const double speed = std::min(std::abs(drive_share), 1.0);
   if (report.is_latched || !(speed > kStanding)) return {};
   const double contact = std::clamp(report.output.normal_load / kHeavy, 0.0, 1.0);

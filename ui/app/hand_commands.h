@@ -1,4 +1,4 @@
-// Commands for how the tool is held and led; rows of the table in app_commands.cpp.
+// Commands to tilt, move and drive the tool; rows of the table in app_commands.cpp.
 #pragma once
 
 #include "ui/app/app_commands.h"

@@ -1,4 +1,4 @@
-// The temperatures that are shown of a cut, and from which limit on each is a warning.
+// Displayed temperatures of a cut, with their warning limits.
 #pragma once
 
 #include "geometry/field/material.h"
@@ -8,12 +8,12 @@ namespace kerf {
 
 struct HeatReading {
   double celsius = kBodyCelsius;
-  bool is_warning = false;  ///< at its limit or above
+  bool is_warning = false;  ///< at or above its limit
 };
 
-/// Of the tissue under the tool. Limits: bone that dies after a minute; of all else a surface that boils.
+/// Tissue under the tool. Limits: bone: necrosis after a minute; other tissue: boiling at the surface.
 HeatReading heatOfSurface(const HeatReport& heat, Material under);
-/// Of what must be kept, a pulp or a nerve canal. Limits: a pulp that does not always recover; the bone around a nerve.
+/// A pulp or nerve canal. Limits: pulp: recovery uncertain; nerve canal: the limit of the bone around it.
 HeatReading heatOfKept(const HeatReport& heat, Material kept);
 
 }  // namespace kerf

@@ -6,9 +6,9 @@ namespace kerf {
 namespace {
 
 constexpr double kSmooth = 0.3;   // s
-constexpr double kLasts = 0.8;    // s, before it is told
+constexpr double kLasts = 0.8;    // s until Kerf reports it
 constexpr double kFelt = 0.05;    // N
-constexpr double kNoRate = 0.01;  // mm3/s: a bur of 1 mm at 0.5 N removes ten times as much, and more
+constexpr double kNoRate = 0.01;  // mm3/s: a 1 mm bur at 0.5 N removes at least ten times as much
 constexpr double kStandsStill = 0.05;
 
 double removedIn(const HapticReport& report) {

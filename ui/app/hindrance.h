@@ -1,4 +1,4 @@
-// Why a stroke removes nothing: told while it lasts.
+// Detects why a stroke removes nothing.
 #pragma once
 
 #include <cstdint>
@@ -7,12 +7,12 @@
 
 namespace kerf {
 
-/// Follows the reports of a session, however few of them it sees. On the window's thread.
+/// Follows the reports of a session; any subset of them suffices. Window thread only.
 class Hindrance {
  public:
-  /// @param is_cutting  somebody wants to cut now.   @param drive_share  speed of the drive, of its free speed.
+  /// @param is_cutting  the user wants to cut now.   @param drive_share  drive speed over its free speed.
   void update(const HapticReport& report, bool is_cutting, double drive_share);
-  /// What is wrong and what to do, in English; empty: nothing hinders, or not for long yet.
+  /// Problem and remedy, in English; empty: no hindrance, or too brief.
   const char* text() const;
 
  private:

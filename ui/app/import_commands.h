@@ -1,4 +1,4 @@
-// The commands import.* of the table in app_commands.cpp: files are looked at, and what to do about them is decided.
+// The commands import.* of the table in app_commands.cpp: import choices for files.
 #pragma once
 
 #include <string>
@@ -9,19 +9,19 @@
 
 namespace kerf {
 
-bool isImporting(const AppContext& c);         ///< files are looked at, and no job runs
-bool isImportingScan(const AppContext& c);     ///< and a scan is chosen among them
-bool isImportingLabels(const AppContext& c);   ///< and a label volume is
-bool isImportingSeveral(const AppContext& c);  ///< and there are several
-bool isImportingTool(const AppContext& c);     ///< and the chosen one is to be a tool
-/// The closed solid is being computed, or will be in a moment: a script waits for it.
+bool isImporting(const AppContext& c);         ///< an import is open, and no job runs
+bool isImportingScan(const AppContext& c);     ///< and the chosen file is a scan
+bool isImportingLabels(const AppContext& c);   ///< and the chosen file is a label volume
+bool isImportingSeveral(const AppContext& c);  ///< and it has several files
+bool isImportingTool(const AppContext& c);     ///< and the chosen file becomes a tool
+/// The preview job of the chosen file runs or starts soon; scripts wait for it.
 bool isPreviewing(const AppContext& c);
 
 Expected<void> importRead(AppContext& c, AppWords words);
 Expected<void> importAdd(AppContext& c, AppWords words);
 Expected<void> importChoose(AppContext& c, AppWords words);
 Expected<void> importRole(AppContext& c, AppWords words);
-Expected<void> importToolAxis(AppContext& c, AppWords words);  ///< a way's name, or auto
+Expected<void> importToolAxis(AppContext& c, AppWords words);  ///< name of a way, or auto
 Expected<void> importToolCut(AppContext& c, AppWords words);   ///< MM
 Expected<void> importTissue(AppContext& c, AppWords words);
 Expected<void> importUnit(AppContext& c, AppWords words);
@@ -36,7 +36,7 @@ Expected<void> importPreview(AppContext& c, AppWords words);
 Expected<void> importStart(AppContext& c, AppWords words);
 Expected<void> importCancel(AppContext& c, AppWords words);
 
-/// What the panel shows, as one JSON object: for scripts.
+/// Content of the import panel as one JSON object, for scripts.
 std::string importState(const ImportSet& set);
 
 }  // namespace kerf

@@ -6,7 +6,7 @@
 namespace kerf {
 
 std::array<Vec3d, 4> rectangleOf(const Plane& plane, const Box3& box) {
-  // Along the axis that lies most in the plane, and across.
+  // Directions: along the axis most parallel to the plane, and across.
   const Vec3d n = plane.normal.normalized();
   Eigen::Index axis = 0;
   n.cwiseAbs().minCoeff(&axis);

@@ -1,4 +1,4 @@
-// What is drawn about a scan while it is imported, to tell what was found.
+// Guides drawn about a scan during import.
 #pragma once
 
 #include <array>
@@ -7,8 +7,8 @@
 
 namespace kerf {
 
-/// Corners of a rectangle of the plane, one after the other around it: as wide as the box is, seen along the normal,
-/// and about the middle of the box.   @param plane  its normal may have any length.
+/// Corners of a rectangle in the plane, in order around it. It covers the box seen along the normal, centred on the
+/// box.   @param plane  its normal may have any length.
 std::array<Vec3d, 4> rectangleOf(const Plane& plane, const Box3& box);
 
 }  // namespace kerf

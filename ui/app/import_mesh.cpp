@@ -7,9 +7,9 @@ namespace kerf {
 namespace {
 
 constexpr Rgba8 kScanColour = {233, 221, 197, 255};
-constexpr Rgba8 kInsideColour = {150, 138, 132, 255};  // of a scan that is open: its hollow underside
+constexpr Rgba8 kInsideColour = {150, 138, 132, 255};  // hollow underside of an open scan
 
-// A colour for each face: what is joined has all or none.
+// Gives each face a colour: joined meshes need all or none.
 void colourFaces(Mesh& mesh) {
   if (mesh.hasFaceColors()) return;
   mesh.face_colors.assign(mesh.triangles.size(), kScanColour);
@@ -18,7 +18,7 @@ void colourFaces(Mesh& mesh) {
   mesh.vertex_colors.clear();
 }
 
-// Half way to a bluish grey.
+// Halfway to a bluish grey.
 void makePale(Mesh& mesh) {
   constexpr Rgba8 kPale = {150, 165, 185, 255};
   for (Rgba8& colour : mesh.face_colors)
@@ -26,7 +26,7 @@ void makePale(Mesh& mesh) {
       colour[n] = static_cast<std::uint8_t>((static_cast<int>(colour[n]) + static_cast<int>(kPale[n])) / 2);
 }
 
-// With its inside, which the renderer draws only as triangles of their own.
+// Adds the inside as reversed triangles, because the renderer draws front faces only.
 Mesh withInside(Mesh mesh) {
   Mesh inside = mesh;
   for (Triangle& t : inside.triangles) std::swap(t[1], t[2]);

@@ -1,4 +1,4 @@
-// What is imported as one mesh to be drawn: in mm, coloured, with the inside of what is open.
+// Preview mesh of the import: in mm, coloured, with the inside of open parts.
 #pragma once
 
 #include "geometry/mesh/mesh.h"
@@ -6,10 +6,9 @@
 
 namespace kerf {
 
-/// All parts of the picture in one mesh. Of several each triangle has its colour; what stands beside is paler. An open
-/// part has its triangles twice, the second time turned round in the colour of an inside: the renderer draws what
-/// faces the viewer.
-/// @return  without colours, if there is but one part, it has none, and it is closed.   @cost  copies; for a job.
+/// All parts of the picture in one mesh. Several parts have colours per triangle; neighbours are paler. An open part
+/// has each triangle a second time, reversed, in the inside colour, because the renderer draws front faces only.
+/// @return  without colours if the only part is closed and has none.   @cost  copies; for a job.
 Mesh meshOf(const ImportPicture& picture);
 
 }  // namespace kerf

@@ -20,9 +20,9 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 using Weight = Finding::Weight;
 
-constexpr std::size_t kMostCrossings = 1000;          // counted; more are as bad
+constexpr std::size_t kMostCrossings = 1000;          // upper limit of the count
 constexpr std::size_t kByItselfUpTo = 1'000'000;      // triangles: closing takes a few seconds
-constexpr Rgba8 kAddedColour = {190, 203, 216, 255};  // what closing added, in the preview
+constexpr Rgba8 kAddedColour = {190, 203, 216, 255};  // added faces in the preview
 constexpr Rgba8 kScannedColour = {233, 221, 197, 255};
 
 double secondsSince(Clock::time_point then) { return std::chrono::duration<double>(Clock::now() - then).count(); }
@@ -33,7 +33,7 @@ Mesh scaled(const Mesh& mesh, double factor) {
   return out;
 }
 
-// The colours of the scan, or ivory; what was added is bluish.
+// Colours of the scan, or ivory; added faces are bluish.
 void colourAdded(Solid& solid, const Mesh& source) {
   solid.mesh.vertex_colors.clear();
   solid.mesh.face_colors.assign(solid.mesh.triangles.size(), kAddedColour);
@@ -132,7 +132,7 @@ ImportPlan::ImportPlan(ScanFound found, PrepareOptions defaults)
     units_.push_back({name, scale, scale * size, alone && !alone->is_doubtful});
   }
   const std::string asked = std::exchange(choice_.unit, {});
-  (void)setUnit(asked);  // one that is unknown is left out: openToCut() will name it
+  (void)setUnit(asked);  // ignores an unknown unit; openToCut() reports it
 }
 
 // ---- Choices
@@ -169,7 +169,7 @@ Expected<void> ImportPlan::setClosing(const ClosingChoice& c) {
 Expected<void> ImportPlan::setVoxel(double mm) {
   if (mm != 0 && !(mm >= kFinestVoxel && mm <= kCoarsestVoxel))
     return wrong(fmt::format("a voxel of {:g} mm", mm), fmt::format("{:g} to {:g} mm", kFinestVoxel, kCoarsestVoxel));
-  choice_.voxel_mm = mm;  // the solid is the same: its preview stays
+  choice_.voxel_mm = mm;  // the solid and its preview stay
   return {};
 }
 
@@ -178,7 +178,7 @@ double ImportPlan::suggestedVoxel() const {
   return voxelFor(found_.check.area * scale * scale);
 }
 
-// ---- What comes of them
+// ---- Results
 
 Box3 ImportPlan::boxMm() const {
   const double scale = unit().scale_to_mm;
@@ -201,13 +201,13 @@ std::size_t ImportPlan::rimCount() const {
   const double scale = unit().scale_to_mm;
   const double longest_hole = c.holes_up_to_mm.value_or(CloseOptions{}.rim_to_diagonal * boxMm().size().norm());
   return static_cast<std::size_t>(std::count_if(loops.begin(), loops.end(), [&](const BoundaryLoop& loop) {
-    constexpr std::size_t kTriangle = 3;  // that a coarse solid lacks
+    constexpr std::size_t kTriangle = 3;  // a missing triangle of a coarse solid
     return scale * loop.length > longest_hole && (loop.edges > kTriangle || c.holes_up_to_mm);
   }));
 }
 
 Prediction ImportPlan::prediction() const {
-  constexpr double kWithBase = 1.35, kSecondsPerTriangle = 3e-6;  // until the preview knows
+  constexpr double kWithBase = 1.35, kSecondsPerTriangle = 3e-6;  // estimates before the preview
   const double scale = unit().scale_to_mm;
   const double area =
       preview() ? preview()->area_mm2 : found_.check.area * scale * scale * (isWithoutUnderside() ? kWithBase : 1);
@@ -237,7 +237,7 @@ std::vector<Finding> ImportPlan::findings() const {
   const MeshReport& r = found_.check;
   std::vector<Finding> out;
 
-  // Size and unit: what goes wrong most often, and worst.
+  // Size and unit: the most frequent and worst errors.
   const Vec3d size = unit().size_mm;
   out.push_back({unit().is_plausible ? Weight::kFine : Weight::kDoubtful, "Size",
                  fmt::format("{:.1f} x {:.1f} x {:.1f} mm{}", size[0], size[1], size[2],
@@ -273,7 +273,7 @@ std::vector<Finding> ImportPlan::findings() const {
                             unit().scale_to_mm * r.boundary_loops[rims].length)});
   }
 
-  // What else stands in the way of a solid.
+  // Other defects.
   if (r.self_intersections > 0)
     out.push_back({Weight::kMended, "Crossings",
                    phrase("{}{} cross each other: united exactly",

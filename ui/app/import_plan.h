@@ -1,8 +1,7 @@
-// What is decided before a scan is cut: what was found in it, what will be done about it, and what that will give.
+// Preparation of a scan before cutting: findings, choices and predicted result.
 //
-// The model of the import panel, without OpenGL: scripts and tests drive it by the commands import.*. One thread, the
-// window's, calls everything; the closed solid is computed by a job of its own, which the workbench's job does not wait
-// for.
+// The model of the import panel, without OpenGL: scripts and tests drive it by the commands import.*. Window thread
+// only. A separate job computes the closed solid; the workbench's job does not wait for it.
 #pragma once
 
 #include <filesystem>
@@ -20,23 +19,23 @@
 
 namespace kerf {
 
-/// A scan as it was read: nothing is scaled or changed yet.
+/// A scan as read, not yet scaled or changed.
 struct ScanFound {
   std::filesystem::path file;
   std::string format;                ///< "binary STL"
   std::shared_ptr<const Mesh> mesh;  ///< in the file's unit
-  std::string declared_unit;         ///< "mm", "inch", ... if the file says so; else empty
+  std::string declared_unit;         ///< "mm", "inch", ... if the file declares it; else empty
   MeshReport check;                  ///< lengths in the file's unit
-  std::vector<std::string> notes;    ///< of the reader: what was skipped, ignored or odd
+  std::vector<std::string> notes;    ///< notes of the reader: skipped, ignored or odd content
   Vec3d up = Vec3d::UnitZ();         ///< unit, out of the teeth: by the occlusal plane, else away from the opening
   bool has_occlusal_plane = false;   ///< a base can be made parallel to it
-  double seconds = 0;                ///< that reading and checking took
+  double seconds = 0;                ///< time for reading and checking
 };
-/// Reads and judges a mesh file.   Errors: as readMesh(); kCancelled.
+/// Reads and checks a mesh file.   Errors: as readMesh(); kCancelled.
 /// @cost  a jaw of 100k triangles 0.3 s. For a job.
 Expected<ScanFound> readScan(const std::filesystem::path& file, const Progress& progress = {});
 
-/// A unit the file may be in, and what size that makes.
+/// A possible unit of the file, with the resulting size.
 struct UnitOption {
   std::string unit;  ///< "mm", "cm", "m", "um", "inch"
   double scale_to_mm = 1;
@@ -44,11 +43,11 @@ struct UnitOption {
   bool is_plausible = false;  ///< a dental object, from a crown to a skull, is 3 to 300 mm across
 };
 
-/// A sentence about the scan, in the words of a dental technician.
+/// A sentence about the scan, in the terms of a dental technician.
 struct Finding {
   enum class Weight {
-    kFine,     ///< nothing has to be done
-    kMended,   ///< preparing takes care of it
+    kFine,     ///< no action needed
+    kMended,   ///< preparing repairs it
     kDoubtful  ///< the user should look
   };
   Weight weight = Weight::kFine;
@@ -56,27 +55,27 @@ struct Finding {
   std::string text;
 };
 
-/// A line through measurements of eight real scans at three voxel sizes each, on two cores: memory within 10 %, seconds
-/// from a quarter too few to twice too many, as the machine was busy or idle.
-/// @param area_mm2       of the closed solid.   @param closing_s  what closing took or will take.
+/// Linear fit to eight real scans at three voxel sizes each, on two cores: memory within 10 %, seconds from a quarter
+/// too few to twice too many, by the load of the machine.
+/// @param area_mm2       of the closed solid.   @param closing_s  measured or predicted closing time.
 Prediction predict(double area_mm2, double voxel_mm, double closing_s);
 class ImportPlan final : public PreviewedPlan {
  public:
-  /// @param defaults  where the choices begin; an empty unit: as the file says, or by its size.
+  /// @param defaults  initial choices; an empty unit: as the file declares, or by its size.
   ImportPlan(ScanFound found, PrepareOptions defaults);
 
   const ScanFound& found() const { return found_; }
-  /// What was found, with the unit as it is chosen now.
+  /// Findings at the chosen unit.
   std::vector<Finding> findings() const;
 
-  // ---- Choices. Each is checked when it is made: kBadValue says what is possible, and nothing changes then.
+  // ---- Choices. A setter rejects a bad value with kBadValue, which lists the valid range, and changes nothing.
 
   const PrepareOptions& choice() const { return choice_; }
   const ClosingChoice& closing() const { return choice_.closing; }
-  /// All that a file may be in, with the size each makes.
+  /// All possible units, with the resulting sizes.
   std::span<const UnitOption> units() const { return units_; }
   const UnitOption& unit() const { return units_[unit_]; }
-  /// Neither the file nor the user says it: it is taken from the size.
+  /// The unit comes from the size: neither the file nor the user gives it.
   bool isUnitGuessed() const { return choice_.unit.empty() && found_.declared_unit.empty(); }
   Expected<void> setUnit(const std::string& name);
   Expected<void> setClosing(const ClosingChoice& choice);
@@ -89,20 +88,20 @@ class ImportPlan final : public PreviewedPlan {
   static constexpr double kSmoothest = 20;                            ///< mm
   static constexpr double kFinestWrap = 0.1, kCoarsestWrap = 5;       ///< mm
 
-  // ---- What comes of them
+  // ---- Results
 
   Box3 boxMm() const;
   /// Length of the longest boundary, mm.
   double rimMm() const;
-  /// Boundaries that are rims of a missing underside, no holes: by their length, or because one is asked for. Closing
-  /// goes by its own welded mesh and may count others as well.
+  /// Boundaries that are rims of a missing underside, not holes: by length, or by the choice of a base. Closing uses
+  /// its own welded mesh and may count differently.
   std::size_t rimCount() const;
   bool isWithoutUnderside() const { return rimCount() > 0; }
   Prediction prediction() const override;
-  /// Options for openToCut(): an untouched unit and voxel size stay open, so that the same case is found again.
+  /// Options for openToCut(). An untouched unit or voxel size stays unset, so that it finds the same case again.
   PrepareOptions result() const { return choice_; }
 
-  /// Not a wrap, nor a million triangles.
+  /// False for a wrap or more than a million triangles.
   bool startsByItself() const override;
 
  private:

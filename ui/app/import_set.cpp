@@ -16,13 +16,13 @@ Box3 boxOf(const ImportEntry& entry) {
   return entry.labels ? entry.labels->found().box : Box3();
 }
 
-// Between two boxes, mm; 0: they meet.
+// Distance of two boxes, mm; 0: they meet.
 double gapBetween(const Box3& a, const Box3& b) {
   const Vec3d apart = (a.min - b.max).cwiseMax(b.min - a.max).cwiseMax(0.0);
   return apart.norm();
 }
 
-// Both units are guesses, and they differ: files of one frame share one.
+// Both units are guesses and differ, although files of one frame share a unit.
 bool doUnitsDiffer(const ImportEntry* cut, const ImportEntry& beside) {
   if (!cut || !cut->scan || !beside.scan || beside.role != ImportRole::kBeside) return false;
   const bool are_guessed = cut->scan->isUnitGuessed() && beside.scan->isUnitGuessed();
@@ -119,7 +119,7 @@ void ImportSet::add(std::vector<ImportRead> read) {
   choose(first);
 }
 
-// What is computed for another one makes way.
+// Suspends the preview of the previous choice.
 void ImportSet::choose(std::size_t n) {
   if (n >= entries_.size() || n == chosen_) return;
   if (plan()) plan()->suspendPreview();
@@ -243,7 +243,7 @@ Expected<void> ImportSet::requireReady() const {
 }
 
 Prediction ImportSet::prediction() const {
-  constexpr double kProgram = 5.5e8;  // that each one's prediction counts once
+  constexpr double kProgram = 5.5e8;  // bytes of the program itself, in each prediction; counted once
   Prediction out;
   for (const ImportEntry& entry : entries_) {
     const bool is_prepared = entry.role == ImportRole::kCut || entry.role == ImportRole::kBeside;
@@ -268,7 +268,7 @@ PreviewedPlan* ImportEntry::plan() const { return scan ? static_cast<PreviewedPl
 
 void ImportSet::update() {
   for (std::size_t n = 0; n < entries_.size(); ++n)
-    // Of one that is not chosen only what was begun is taken.
+    // Other files only finish a running preview.
     if (PreviewedPlan* const plan = entries_[n].plan(); plan && (n == chosen_ || plan->previewJob())) plan->update();
 }
 

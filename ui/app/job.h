@@ -1,4 +1,4 @@
-// Long work beside the window: a thread of its own, progress, time left, cancel.
+// Long work beside the window: own thread, progress, time left, cancel.
 #pragma once
 
 #include <atomic>
@@ -17,15 +17,15 @@ namespace kerf {
 
 struct JobStatus {
   std::string title;             ///< "Preparing molar.stl"
-  std::string step;              ///< what it is at, as the work names it
+  std::string step;              ///< current step, named by the work
   double done = 0;               ///< 0 to 1
-  double seconds = 0;            ///< since it began
-  std::optional<double> left_s;  ///< by its pace so far; none in its first second
+  double seconds = 0;            ///< since the start
+  std::optional<double> left_s;  ///< extrapolated; none in the first second
   bool is_cancelling = false;
   bool can_be_cancelled = true;
 };
 
-/// What the window knows of any job.
+/// The window's view of a job.
 class AnyJob {
  public:
   virtual ~AnyJob() = default;
@@ -34,7 +34,7 @@ class AnyJob {
   virtual bool isOver() const = 0;
 };
 
-/// Runs `work` once. One thread, the window's, calls everything.
+/// Runs `work` once, on its own thread. Call the members from the window thread only.
 template <class T>
 class Job final : public AnyJob {
  public:
@@ -47,7 +47,7 @@ class Job final : public AnyJob {
       is_over_.store(true, std::memory_order_release);
     });
   }
-  /// Cancels, and waits.
+  /// Cancels and waits.
   ~Job() override {
     cancel();
     if (thread_.joinable()) thread_.join();
@@ -70,14 +70,14 @@ class Job final : public AnyJob {
   void cancel() override { is_cancelled_.store(true); }
   bool isOver() const override { return is_over_.load(std::memory_order_acquire); }
 
-  /// Waits for the end. Once.
+  /// Waits for the end and returns the result. Call once.
   Expected<T> take() {
     if (thread_.joinable()) thread_.join();
     return std::move(*result_);
   }
 
  private:
-  // What the work throws is an error like any other: most often there was no memory.
+  // Turns exceptions of the work into errors, most often out of memory.
   Expected<T> guarded(const Work& work) {
     try {
       return work([this](double done, std::string_view step) {

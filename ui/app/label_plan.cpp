@@ -38,7 +38,7 @@ std::size_t voxelsOf(const LabelVolume& v) {
 
 // ---- Reading
 
-// Faces between two labels, and the box of what is labelled.
+// Areas of the faces between labels, and the box of the labelled voxels.
 void survey(const LabelVolume& v, LabelsFound& out) {
   const Eigen::Matrix3d axes = v.axes();
   const std::array<double, 3> face = {axes.col(1).cross(axes.col(2)).norm(), axes.col(2).cross(axes.col(0)).norm(),
@@ -85,7 +85,7 @@ Expected<ClosedPreview> surfaceOf(const LabelVolume& volume, const Wanted& wante
   out.volume_mm3 = signedVolume(mesh);
   out.area_mm2 = surfaceArea(mesh);
 
-  // A face has the colour of what lies under it.
+  // A face has the colour of the label under it.
   const double under = 0.3 * volume.spacing.minCoeff();
   mesh.face_colors.reserve(mesh.triangles.size());
   for (const Triangle& t : mesh.triangles) {
@@ -99,7 +99,7 @@ Expected<ClosedPreview> surfaceOf(const LabelVolume& volume, const Wanted& wante
   return out;
 }
 
-// A text as TOML has it between quotes.
+// A quoted TOML string.
 std::string quotedLabel(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) {
@@ -119,7 +119,7 @@ Expected<LabelsFound> readLabels(const fs::path& file, const Progress& progress)
   KERF_TRY(volume, readLabelVolume(file, {}, partOf(progress, 0, 0.7)));
   if (!report(progress, 0.7, "counting labels")) return cancelled();
   LabelsFound out;
-  out.file = file.has_filename() ? file : file.parent_path();  // of a folder with a slash at its end
+  out.file = file.has_filename() ? file : file.parent_path();  // a folder path may end in a slash
   out.format = volume.format;
   const auto names = labelNames(file);
   for (const LabelCount& count : countLabels(volume)) {
@@ -142,7 +142,7 @@ Expected<LabelsFound> readLabels(const fs::path& file, const Progress& progress)
 }
 
 std::optional<Material> tissueByName(const std::string& name) {
-  // The first word that is found counts: a canal in a bone is a canal.
+  // The first matching row counts: a canal in a bone is a canal.
   struct Row {
     std::string_view word;
     Material tissue;
@@ -257,10 +257,10 @@ Expected<void> LabelPlan::setVoxel(double mm) {
 
 double LabelPlan::suggestedVoxel() const { return voxelFor(areaMm2()); }
 
-// ---- What comes of them
+// ---- Results
 
 double LabelPlan::areaMm2() const {
-  constexpr double kStaircase = 1.5;  // the faces of voxels around a surface of any direction, of its area
+  constexpr double kStaircase = 1.5;  // mean area of voxel faces over the area of the surface
   if (preview()) return preview()->area_mm2;
   double faces = 0;
   for (const auto& [labels, mm2] : found_.walls_mm2)
@@ -276,8 +276,8 @@ double LabelPlan::volumeMm3() const {
 }
 
 Prediction LabelPlan::prediction() const {
-  // By one CT of a skull, 360 x 360 x 330 voxels: 66 s of two cores and 2.0 GB until its picture was there.
-  constexpr double kSecondsPerVoxel = 2.5e-7, kBytesPerVoxel = 20;  // smoothing, in the box of what is labelled
+  // From one CT of a skull, 360 x 360 x 330 voxels: 66 s on two cores and 2.0 GB until the picture.
+  constexpr double kSecondsPerVoxel = 2.5e-7, kBytesPerVoxel = 20;  // smoothing, in the box of the labelled voxels
   double voxels = found_.box.size().prod();
   for (const double mm : found_.volume->spacing) voxels /= mm;
   const double smoothing = previewSeconds() > 0 ? previewSeconds() : kSecondsPerVoxel * voxels;

@@ -1,7 +1,7 @@
-// What is decided before a label volume of a CT is cut: which labels are there, what tissue each is, how fine the
-// voxels are. The import panel shows it beside ImportPlan, which does the same for scans.
+// Preparation of a CT label volume before cutting: its labels, their tissues and the voxel size. ImportPlan does the
+// same for scans; the import panel shows both.
 //
-// Preparing writes a recipe (docs/reference/recipes.md) and bakes that. One thread, the window's, calls everything.
+// Preparing writes a recipe (docs/reference/recipes.md) and bakes it. Window thread only.
 #pragma once
 
 #include <array>
@@ -27,30 +27,30 @@ struct LabelVolume;
 /// One label of a volume, never 0.
 struct LabelFound {
   std::uint16_t label = 0;
-  std::string name;  ///< as the file has it; empty: it has none
+  std::string name;  ///< name in the file; empty: none
   std::uint64_t voxels = 0;
   double volume_mm3 = 0;
   std::string called() const { return name.empty() ? "label " + std::to_string(label) : name; }
 };
 
-/// A volume as it was read.
+/// A volume as read.
 struct LabelsFound {
   std::filesystem::path file;
   std::string format;  ///< "NIfTI"
   std::shared_ptr<const LabelVolume> volume;
-  std::vector<LabelFound> labels;  ///< rising
-  Box3 box;                        ///< of all that is labelled, mm
-  /// mm^2 of voxel faces between two labels, the smaller first; 0 is nothing. What the border of the volume cuts off
-  /// counts as a face to 0.
+  std::vector<LabelFound> labels;  ///< ascending
+  Box3 box;                        ///< box of all labelled voxels, mm
+  /// mm^2 of voxel faces between two labels, smaller label first; 0 is the background. Faces on the border of the
+  /// volume count as faces to 0.
   std::map<std::pair<std::uint16_t, std::uint16_t>, double> walls_mm2;
-  double seconds = 0;  ///< that reading took
+  double seconds = 0;  ///< reading time
 };
 /// Errors: those of readLabelVolume(); kEmpty for a volume without labels; kCancelled.
 /// @cost  360 x 360 x 330 about 1 s.   For a job.
 Expected<LabelsFound> readLabels(const std::filesystem::path& file, const Progress& progress = {});
 
-/// What tissue a name stands for, by its words: "Left mandibular canal" is the nerve canal. None: air, sinus and the
-/// like are nothing to cut. A name that says nothing is generic.
+/// Tissue of a label name, by its words: "Left mandibular canal" is the nerve canal. None for air, sinus and the like.
+/// Generic for an unknown name.
 std::optional<Material> tissueByName(const std::string& name);
 
 class LabelPlan final : public PreviewedPlan {
@@ -61,29 +61,29 @@ class LabelPlan final : public PreviewedPlan {
   const MaterialTable& materials() const { return materials_; }
   std::vector<Finding> findings() const;
 
-  // ---- Choices. Each is checked when it is made, and changes nothing when it is refused.
+  // ---- Choices. A setter that rejects a value changes nothing.
 
-  /// None: the label is left out, as if nothing were there.
+  /// None: the label is omitted and counts as background.
   std::optional<Material> tissue(std::uint16_t label) const;
-  /// @param tissue  an id of materials.toml, or "none".   Errors: kBadValue for a label or a tissue that there is not.
+  /// @param tissue  an id of materials.toml, or "none".   Errors: kBadValue for an unknown label or tissue.
   Expected<void> setTissue(std::uint16_t label, const std::string& tissue);
-  /// mm; 0: as suggestedVoxel().   Errors: kBadValue out of ImportPlan's range.
+  /// mm; 0: as suggestedVoxel().   Errors: kBadValue outside ImportPlan's range.
   Expected<void> setVoxel(double mm);
   double suggestedVoxel() const;
   double voxel() const { return voxel_mm_ > 0 ? voxel_mm_ : suggestedVoxel(); }
   bool hasOwnVoxel() const { return voxel_mm_ > 0; }
 
-  // ---- What comes of them
+  // ---- Results
 
   bool isEmpty() const { return tissues_.empty(); }
-  /// Of the surface around all that is not left out; until the preview knows, from the faces of voxels.
+  /// Area of the surface around all tissues; before the preview, estimated from voxel faces.
   double areaMm2() const;
   double volumeMm3() const;
   Prediction prediction() const override;
-  /// The text of a recipe that bakes it.   @pre !isEmpty()
+  /// Text of the recipe for baking.   @pre !isEmpty()
   std::string recipe() const;
 
-  /// Not a large volume: smoothing takes long.
+  /// False for a large volume, because smoothing takes long.
   bool startsByItself() const override;
 
  private:
@@ -92,7 +92,7 @@ class LabelPlan final : public PreviewedPlan {
 
   LabelsFound found_;
   MaterialTable materials_;
-  std::map<std::uint16_t, Material> tissues_;  // of labels that are not left out
+  std::map<std::uint16_t, Material> tissues_;  // labels in use
   double voxel_mm_ = 0;
 };
 

@@ -26,7 +26,7 @@ struct PoRow {
   std::string english{}, translated{};
 };
 
-// Appends a quoted text.   @return  false: something stands outside of the quotes, or an escape is unknown.
+// Appends a quoted text.   @return  false: text outside the quotes, or an unknown escape.
 bool appendQuoted(std::string_view quoted, std::string& out) {
   if (quoted.size() < 2 || !quoted.starts_with('"') || !quoted.ends_with('"')) return false;
   quoted = quoted.substr(1, quoted.size() - 2);
@@ -42,11 +42,11 @@ bool appendQuoted(std::string_view quoted, std::string& out) {
   return true;
 }
 
-// Parts that a translation keeps: replacement fields {}, {1:.2f} by their numbers, with their formats; printf
-// conversions and percent signs in their order. None: the text has other braces.
+// Parts that a translation must keep: replacement fields {}, {1:.2f} by number, with their formats; printf conversions
+// and percent signs in order. None: the text has other braces.
 std::optional<std::map<std::size_t, std::string>> keptOf(std::string_view text) {
   std::map<std::size_t, std::string> out;
-  std::size_t automatic = 0, numbered = 0, percents = 10;  // behind the numbers of one digit
+  std::size_t automatic = 0, numbered = 0, percents = 10;  // keys after the one-digit field numbers
   for (std::size_t at = text.find_first_of("{}%"); at != text.npos; at = text.find_first_of("{}%", at)) {
     if (text[at] == '%') {
       const std::size_t end = std::min(text.find_first_not_of("+-#.*0123456789hlLzjt", at + 1), text.size() - 1);
@@ -70,7 +70,7 @@ std::optional<std::map<std::size_t, std::string>> keptOf(std::string_view text) 
   return out;
 }
 
-// Nothing: it is fine.
+// Null: no fault.
 const char* faultOf(const PoRow& row) {
   if (std::max(row.english.size(), row.translated.size()) > Language::kLongestText) return "more than 2000 bytes";
   if ((row.english + row.translated).find("##") != std::string::npos) return "##, which is of ids";
@@ -79,9 +79,9 @@ const char* faultOf(const PoRow& row) {
   return nullptr;
 }
 
-// ---- What is shown
+// ---- Shown language
 
-// Of one window, as the style is.
+// Global, like the style: one window.
 std::mutex shown_mutex;
 std::shared_ptr<const Language> shown_now;
 
@@ -114,7 +114,7 @@ Expected<Language> Language::read(const fs::path& file) {
       is_fuzzy |= rest.starts_with("#,") && rest.find("fuzzy") != rest.npos;
       continue;
     }
-    const bool is_open = !rows.empty() && !rows.back().is_complete;  // without its msgstr as yet
+    const bool is_open = !rows.empty() && !rows.back().is_complete;  // without its msgstr so far
     if (rest.starts_with("msgid ") && !is_open) {
       rows.push_back({.line = n, .is_fuzzy = std::exchange(is_fuzzy, false)});
       rest.remove_prefix(6);
@@ -176,7 +176,7 @@ std::string Language::shown(std::string_view english) const {
   return std::string(english.substr(0, begin)) + row->second + std::string(english.substr(end));
 }
 
-// ---- What the window shows
+// ---- Shown texts
 
 void setShownLanguage(std::shared_ptr<const Language> language) {
   const std::lock_guard lock(shown_mutex);

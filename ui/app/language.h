@@ -1,9 +1,9 @@
-// The language of the window: English texts of the program to those of a PO file that a translator writes.
+// The language of the window: maps the program's English texts to those of a translator's PO file.
 //
-// The program is written in English, and its texts are the keys. Whatever a person reads goes through shownText(), with
-// numbers and names through phrase(); texts without a translation stay English. Kerf reads the .po text itself: glibc's
-// gettext() needs the locale of the whole process and trusts the bytes of a .mo, and a translator would have to compile
-// each change. docs/guide/languages.md is the translator's side of it.
+// The English texts are the keys. All shown texts go through shownText(), or through phrase() with numbers and names;
+// texts without a translation stay English. Kerf reads the .po text itself: glibc's gettext() needs the locale of the
+// whole process, trusts the bytes of a .mo, and makes translators compile each change. Guide for translators:
+// docs/guide/languages.md.
 #pragma once
 
 #include <fmt/core.h>
@@ -25,17 +25,17 @@ class Language {
   static constexpr std::size_t kMostBytes = 1 << 20, kMostTexts = 20000, kLongestText = 2000;
 
   /// A PO file in UTF-8, with the header X-Language-Name. Fuzzy texts count as untranslated.
-  /// Errors: kNotFound; kBadFormat, also of msgctxt and msgid_plural; kBadValue, with line and text: other replacement
-  /// fields or printf conversions than in the English text, "##", which is of ids, a text a second time, more than the
-  /// limits above.
+  /// Errors: kNotFound; kBadFormat, also for msgctxt and msgid_plural; kBadValue, with line and text: replacement
+  /// fields or printf conversions that differ from the English text, "##" (reserved for ids), a duplicate text, more
+  /// than the limits above.
   static Expected<Language> read(const std::filesystem::path& file);
-  /// Puts every text into «»: what is shown without them does not go through shownText().
+  /// Puts every text into «»: shown texts without them bypass shownText().
   static Language marking();
 
-  /// As those who speak it call it.
+  /// Name in the language itself.
   const std::string& name() const { return name_; }
   std::size_t size() const { return texts_.size(); }
-  /// Looked up whole; else unchanged. Blanks and line breaks at the ends stay.
+  /// Translation of the whole text; else unchanged. Blanks and line breaks at the ends stay.
   std::string shown(std::string_view english) const;
 
  private:
@@ -44,22 +44,21 @@ class Language {
   std::map<std::string, std::string, std::less<>> texts_;
 };
 
-// ---- What the window shows. Any thread: jobs make sentences, too.
+// ---- Shown texts. Any thread, because jobs make sentences too.
 
-/// From now on; null: English.
+/// Sets the language; null: English.
 void setShownLanguage(std::shared_ptr<const Language> language);
 std::shared_ptr<const Language> shownLanguage();
 
-/// A text as a person reads it, also a printf format: a translation has the same conversions. Without a language: a
-/// copy.
+/// A translated text or printf format; a translation has the same conversions. Without a language: a copy.
 std::string shownText(std::string_view english);
-/// A label of Dear ImGui: what stands before ## is shown, and the id is that of the English label in every language.
+/// A label of Dear ImGui: translates the part before ##; the id is that of the English label in every language.
 std::string shownLabel(std::string_view label);
-/// A key with its modifiers, "Ctrl+Shift+P": whole, or each by itself.
+/// A key with its modifiers, "Ctrl+Shift+P": translated whole, or part by part.
 std::string shownKey(std::string_view key);
 
 std::string shownPhrase(fmt::string_view english, fmt::format_args values);
-/// A sentence with values: the format is translated, {0} and {1} give another order, and the values stay as they are.
+/// A sentence with values: translates the format, not the values. {0} and {1} allow another order.
 template <class... A>
 std::string phrase(fmt::format_string<A...> english, A&&... values) {
   return shownPhrase(english, fmt::make_format_args(values...));
@@ -67,11 +66,11 @@ std::string phrase(fmt::format_string<A...> english, A&&... values) {
 
 // ---- Files
 
-/// Those in FOLDER/languages, and those of assets/languages that have no namesake there, by id: "de" of de.po.
+/// PO files by id ("de" for de.po) in FOLDER/languages and assets/languages; the former wins.
 std::map<std::string, std::filesystem::path> findLanguages(const std::filesystem::path& config_folder);
 
-/// Shows a language from now on. @param id  of findLanguages(); "en": English; "marked": Language::marking().
-/// Errors: kNotFound, those of Language::read(); then the language of before stays.
+/// Sets the shown language. @param id  of findLanguages(); "en": English; "marked": Language::marking().
+/// Errors: kNotFound, those of Language::read(); the language then stays.
 Expected<void> showLanguage(const std::string& id, const std::filesystem::path& config_folder);
 
 }  // namespace kerf

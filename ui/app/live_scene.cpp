@@ -7,7 +7,7 @@
 namespace kerf {
 namespace {
 
-// The first of "piece 1", "piece 2", ... that none has.
+// The first unused name of "piece 1", "piece 2", ...
 std::string freePieceName(std::span<SceneObject* const> objects) {
   for (std::size_t n = 1;; ++n) {
     std::string name = fmt::format("piece {}", n);
@@ -68,7 +68,7 @@ void LiveScene::update(std::span<const ObjectChunks> chunks, const HapticReport&
   for (SceneObject* object : in_scene)
     if (object->name.empty()) object->name = freePieceName(in_scene);
   if (is_meshed) shown_ = std::move(in_scene);
-  if (shown_.empty())  // the session has not said anything yet
+  if (shown_.empty())  // no report from the session yet
     for (const auto& object : objects_) shown_.push_back(object.get());
 }
 

@@ -1,7 +1,7 @@
-// All objects of a session as the window knows them: what was loaded, and the pieces that came off.
+// All objects of a session in the window: loaded objects and pieces.
 //
-// A piece is shown when its mesher has meshed all that is in the scene; until then what it came off stays in the
-// picture, some tenths of a second.
+// The picture changes to new pieces when every object in the scene has a mesh. Until then, some tenths of a second, it
+// shows their parent.
 #pragma once
 
 #include <array>
@@ -21,16 +21,16 @@ namespace kerf {
 struct SceneObject {
   std::uint32_t id = 0;           ///< CutObject::id
   std::uint32_t loaded = 0;       ///< ObjectReport::loaded: 0 is worked on, the others stand beside it
-  std::string name;               ///< "piece 2", or what a person called it
-  std::string colour;             ///< of pieceColours(), by a person; empty: as its tissues are
-  Rigid3 T_world_object;          ///< as the simulation has it
-  std::optional<Rigid3> dragged;  ///< where a person is about to put it
-  LiveSurface surface;            ///< in its own frame: where it was loaded
-  double removed_mm3 = 0;         ///< from it; the first of the pieces has what was removed before, too
+  std::string name;               ///< "piece 2", or the user's name
+  std::string colour;             ///< of pieceColours(), set by the user; empty: tissue colours
+  Rigid3 T_world_object;          ///< pose in the simulation
+  std::optional<Rigid3> dragged;  ///< pose while the user drags it
+  LiveSurface surface;            ///< in its own frame, the frame of loading
+  double removed_mm3 = 0;         ///< from it; the first piece includes the parent's removed volume
   std::size_t index = 0;          ///< in the simulation, for commands
-  bool is_in_scene = false;       ///< now; an undo or a split takes it out
-  bool is_hidden = false;         ///< by a person: neither drawn nor pointed at
-  bool is_ghost = false;          ///< a neighbour, by a person: translucent, and not pointed at
+  bool is_in_scene = false;       ///< false after an undo or a split removed it
+  bool is_hidden = false;         ///< by the user: neither drawn nor pickable
+  bool is_ghost = false;          ///< a neighbour, by the user: translucent, not pickable
 
   bool isBeside() const { return loaded > 0; }
   bool isPointedAt() const { return !is_hidden && !is_ghost; }
@@ -44,26 +44,26 @@ struct SceneHit {
   SurfaceHit on_surface;  ///< world frame
 };
 
-/// One thread.
+/// Not thread-safe.
 class LiveScene {
  public:
   void clear();
-  /// Of objects that come, by their id; the others are "piece 1", "piece 2", ...
+  /// Labels of coming objects, by id; the others are "piece 1", "piece 2", ...
   void setLabels(PieceLabels labels) { labels_ = std::move(labels); }
   void update(std::span<const ObjectChunks> chunks, const HapticReport& report);
 
-  /// Those in the picture, hidden ones among them: in the order of the simulation, which is by size when they came off.
+  /// Objects in the picture, including hidden ones, in the order of the simulation: pieces of a split by size.
   std::span<SceneObject* const> shown() const { return shown_; }
-  /// Of them, how many are of the object that is worked on: 1, or its pieces.
+  /// Number of shown pieces of the worked-on object; 1 if it is whole.
   std::size_t pieceCount() const;
-  /// Null: it is not in the picture.
+  /// Null if not in the picture.
   SceneObject* find(std::uint32_t id) const;
 
   std::size_t triangleCount() const;
-  Box3 bounds() const;  ///< world frame, of those not hidden
-  /// The nearest of those not hidden.
+  Box3 bounds() const;  ///< world frame, without hidden objects
+  /// Nearest hit on an object that is neither hidden nor a ghost.
   std::optional<SceneHit> hit(const Ray& ray) const;
-  /// LiveSurface::contour() of those not hidden, each where it is; world frame.
+  /// LiveSurface::contour() of all objects not hidden, at their poses; world frame.
   std::vector<std::array<Vec3d, 2>> contour(const Plane& plane, const Box3& within) const;
 
  private:
@@ -71,10 +71,10 @@ class LiveScene {
 
   std::vector<std::unique_ptr<SceneObject>> objects_;
   std::vector<SceneObject*> shown_;
-  PieceLabels labels_;  // of those that have not come yet
+  PieceLabels labels_;  // of objects still to come
 };
 
-/// A ray as an object sees it.
+/// A ray in the frame of an object.
 Ray inFrame(const Rigid3& T_world_object, const Ray& ray);
 
 }  // namespace kerf

@@ -22,9 +22,9 @@ bool passes(const Ray& ray, const Box3& box, double farthest) {
   return low <= high;
 }
 
-constexpr double kEdge = 1e-9;  // of a side: a ray along an edge passes between no two triangles
+constexpr double kEdge = 1e-9;  // fraction of a side: no gap between triangles for a ray along an edge
 
-// Moeller & Trumbore, J Graphics Tools 1997;2(1):21; front faces alone.
+// Moeller & Trumbore, J Graphics Tools 1997;2(1):21; front faces only.
 std::optional<double> meet(const Ray& ray, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   const Vec3d ab = b - a, ac = c - a, p = ray.direction.cross(ac);
   const double det = ab.dot(p);
@@ -148,7 +148,7 @@ std::optional<double> entry(const BrickField& field, const Ray& ray, double from
       before = value;
       continue;
     }
-    // Between the two: by halving.
+    // Bisection.
     double outside = way, inside = next;
     for (int n = 0; n < 24; ++n) {
       const double middle = 0.5 * (outside + inside);

@@ -1,4 +1,4 @@
-// The surface as it is being cut, as the window knows it: chunks from the mesher, and what a ray meets of them.
+// The surface during cutting, in the window: chunks from the mesher, with ray and plane queries.
 #pragma once
 
 #include <array>
@@ -20,11 +20,11 @@ struct Ray {
 
 struct SurfaceHit {
   Vec3d point = Vec3d::Zero();    ///< mm
-  Vec3d normal = Vec3d::UnitZ();  ///< unit, outward: of the triangle
+  Vec3d normal = Vec3d::UnitZ();  ///< unit, outward, of the triangle
   double way = 0;                 ///< along the ray, mm
 };
 
-/// One thread.
+/// Not thread-safe.
 class LiveSurface {
  public:
   /// Newer chunks replace older ones of the same brick; empty ones remove them.
@@ -38,14 +38,14 @@ class LiveSurface {
   }
   std::size_t triangleCount() const { return triangles_; }
   Box3 bounds() const;
-  /// Enclosed by the surface, mm^3. 0 while chunks are missing.
+  /// Volume enclosed by the surface, mm^3. 0 while chunks are missing.
   double volume() const { return volume_; }
-  /// The first triangle that faces the ray. O(chunks), and the triangles of those that the ray passes.
+  /// The first triangle that faces the ray. O(chunks + triangles of the chunks on the ray).
   std::optional<SurfaceHit> hit(const Ray& ray) const;
-  /// The first triangle behind `from` that faces away: where the ray leaves the material, mm along it.
+  /// Distance along the ray, mm, where it leaves the material: the first triangle beyond `from` that faces away.
   std::optional<double> exit(const Ray& ray, double from) const;
-  /// Where a plane meets the surface within a box: straight pieces, in no order.   @cost  as the chunks that it passes,
-  /// a ms for a jaw.
+  /// Section of the surface by a plane within a box: line segments in no order.
+  /// @cost  by the chunks on the plane, 1 ms for a jaw.
   std::vector<std::array<Vec3d, 2>> contour(const Plane& plane, const Box3& within) const;
 
  private:
@@ -59,8 +59,8 @@ class LiveSurface {
   double volume_ = 0;
 };
 
-/// Where a ray first enters {field < 0}, mm along it, between `from` and `to`; none: it does not.
-/// @param field  a narrow band of distances: the ray goes on by what it reads, so it passes nothing thicker than a
+/// Distance along a ray, mm, between `from` and `to`, where it first enters {field < 0}; none: never.
+/// @param field  narrow band of distances. The ray steps by the sampled distance, so it misses nothing thicker than a
 ///   voxel.   @cost  some µs.
 std::optional<double> entry(const BrickField& field, const Ray& ray, double from, double to);
 

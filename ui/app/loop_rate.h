@@ -1,6 +1,6 @@
-// How often the 1 kHz loop ticks: the mean of the last second, by the clock on the wall.
+// Tick rate of the 1 kHz loop: mean of the last second by the wall clock.
 //
-// The loop's own clock stands still while it is late; this one does not. On the window's thread.
+// The loop's own clock stops while the loop is late, the wall clock does not. Window thread only.
 #pragma once
 
 #include <array>
@@ -16,9 +16,9 @@ class LoopRate {
   using Clock = std::chrono::steady_clock;
 
   void clear() { *this = {}; }
-  /// Once a frame, whether the loop has ticked or not.   @param ticks  since it began; fewer than before: begins anew.
+  /// Call every frame, even without new ticks.   @param ticks  since its start; a lower count resets the rate.
   void add(std::uint64_t ticks, Clock::time_point now);
-  /// Ticks a second; after a frame that took longer, over that. None in the first second.
+  /// Ticks per second, over the last second or a longer last frame. None in the first second.
   std::optional<double> hz() const;
 
  private:

@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Not ended, or ended without its field.
+// The run is open, or ended without its field.
 bool isLost(const fs::path& folder, const RunManifest& manifest) {
   std::error_code none;
   const bool has_field = fs::file_size(folder / "run.vdb", none) > 0 && !none;

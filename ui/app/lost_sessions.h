@@ -1,4 +1,4 @@
-// Sessions whose program is gone: killed, or cut off with the power. Their logs are there, their runs are open.
+// Sessions whose program was killed or lost power. Their logs exist, their runs are open.
 #pragma once
 
 #include <cstdint>
@@ -13,32 +13,31 @@
 
 namespace kerf {
 
-/// A session whose program is gone, or whose field was lost with the power: recoverRun() finishes it.
+/// A session without its program, or without its field after a power loss; recoverRun() finishes it.
 struct LostSession {
   std::filesystem::path folder;
   std::string case_name;
 };
 
-/// Those in DATA/sessions, the newest first; none of a program that is at work.   @param data  userDataFolder().
+/// Lost sessions in DATA/sessions, newest first, without those in use by a program.   @param data  userDataFolder().
 /// O(runs).
 std::vector<LostSession> findLostSessions(const std::filesystem::path& data);
 
-/// Bytes of the files in its folder; 0 if it is gone.
+/// Bytes of the files in its folder; 0 if the folder is gone.
 std::uintmax_t bytesOf(const LostSession& lost);
 
-/// Deletes the folder of a lost session, all of it.   Errors: kUnsupported for a run that has ended, and while another
-/// program works on it; kWriteFailed, also where something lies in it that Kerf did not write; those of reading its
-/// manifest.
+/// Deletes the whole folder of a lost session.   Errors: kUnsupported for an ended run, and while another program works
+/// on it; kWriteFailed, also if the folder has files that Kerf did not write; those of reading its manifest.
 Expected<void> discardSession(const std::filesystem::path& folder);
 
-/// What had been taken back in a session in which nothing is left.
+/// Runs of the undone steps of a session that ends without a cut.
 struct DroppedRuns {
   std::map<std::uint64_t, std::filesystem::path> runs;  ///< by BranchPoint::step_began
-  std::optional<Error> failed;  ///< what could not be written: the session's folder is still there, with its log
+  std::optional<Error> failed;                          ///< write error: the session's folder with its log stays
 };
-/// Makes runs of it in DATA/sessions; then the session's folder is deleted.
-/// @param dropped  of its steps: BranchPoint::step_began.   @param name  of what was cut.
-/// @cost  as a replay of the session, for each.
+/// Writes a run for each undone step to DATA/sessions, then deletes the session's folder.
+/// @param dropped  BranchPoint::step_began of its steps.   @param name  of the object.
+/// @cost  a replay of the session for each.
 DroppedRuns keepDropped(const std::filesystem::path& session, const std::vector<std::uint64_t>& dropped,
                         const std::filesystem::path& data, const std::string& name, const Progress& progress = {});
 

@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kWriteManual = "--write-manual";
 
-// Escapes what troff would take for a request or a character of its own.
+// Escapes troff requests and special characters.
 std::string troff(std::string_view text) {
   std::string out;
   bool at_line_start = true;
@@ -37,7 +37,7 @@ std::string troff(std::string_view text) {
 
 bool isOptionGroup(const CLI::App& app) { return app.get_name().empty(); }
 
-// Those of the command, then those of its option groups, which CLI11 keeps as commands without a name.
+// Options of the command, then of its option groups, which CLI11 keeps as commands without a name.
 std::vector<const CLI::Option*> shownOptions(const CLI::App& app) {
   std::vector<const CLI::Option*> out =
       app.get_options([](const CLI::Option* option) { return !option->get_group().empty(); });
@@ -55,13 +55,13 @@ std::vector<const CLI::App*> shownCommands(const CLI::App& app) {
       [](const CLI::App* command) { return !command->get_group().empty() && !isOptionGroup(*command); });
 }
 
-// What --help says of an option, its default included.
+// The --help text of an option, with its default.
 std::string explained(const CLI::Option& option) {
   const std::string standard = option.get_default_str();
   return option.get_description() + (standard.empty() ? "" : " (default " + standard + ")");
 }
 
-// "-o, --output FILE": the spellings of an option, and what it takes.
+// "-o, --output FILE": the spellings of an option and its argument.
 std::string spelling(const CLI::Option& option) {
   if (option.get_positional()) return option.get_name();
 
@@ -88,7 +88,7 @@ void appendOptions(const CLI::App& app, std::string& out) {
   }
 }
 
-// A block of text as it stands: commands of an example keep their lines.
+// A verbatim block: commands of an example keep their lines.
 void appendVerbatim(const char* title, const std::string& text, std::string& out) {
   if (text.empty()) return;
   out += fmt::format(".SH {}\n.nf\n{}\n.fi\n", title, troff(text));
@@ -110,7 +110,7 @@ void appendCommands(const CLI::App& app, std::string& out) {
   for (const CLI::App* command : commands) {
     out += fmt::format(".TP\n.B {}\n{}\n", troff(command->get_name()), troff(command->get_description()));
     for (const CLI::Option* option : shownOptions(*command)) {
-      if (!app.get_parent()) break;  // of the program: each command has a page
+      if (!app.get_parent()) break;  // on the program's page: each command has its own
       out += fmt::format(".RS\n.TP\n.B {}\n{}\n.RE\n", troff(spelling(*option)), troff(explained(*option)));
     }
   }
@@ -163,7 +163,7 @@ std::string bashCases(const CLI::App& app, const std::string& prefix) {
   return out;
 }
 
-// Completes commands and options by the table, everything else as a file name.
+// Completes commands and options from the table, other words as file names.
 std::string bashCompletion(const CLI::App& app) {
   const std::string function = "_" + std::string(app.get_name() == "kerf" ? "kerf" : "kerf_sim");
   std::string out = fmt::format("# Completion of {} for bash, made by the program itself.\n", app.get_name());
@@ -180,7 +180,7 @@ std::string bashCompletion(const CLI::App& app) {
   return out;
 }
 
-// zsh reads the bash function through its own bridge.
+// zsh loads the bash function through bashcompinit.
 std::string zshCompletion(const CLI::App& app) {
   return fmt::format("#compdef {}\n# Completion of {} for zsh, made by the program itself.\n", app.get_name(),
                      app.get_name()) +

@@ -1,4 +1,4 @@
-// Points that a person has set, and what lies between them.
+// Points set by the user, with distances and angles between them.
 #pragma once
 
 #include <string>
@@ -16,9 +16,9 @@ class Measure {
 
   /// From point n to the next, mm.
   double distance(std::size_t n) const { return (points_[n + 1] - points_[n]).norm(); }
-  /// Between the ways from point n to the one before and the one after, degrees, 0 to 180. @pre 0 < n < last.
+  /// Angle at point n between the directions to its two neighbours, degrees, 0 to 180. @pre 0 < n < last.
   double angle(std::size_t n) const;
-  /// Of all ways together, mm.
+  /// Total length, mm.
   double length() const;
   /// "1 to 2: 3.46 mm; angle at 2: 56.3 degrees; 2 to 3: 1.20 mm; together 4.66 mm"; empty with less than two points.
   std::string text() const;

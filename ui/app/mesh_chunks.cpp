@@ -12,14 +12,14 @@ namespace kerf {
 namespace {
 
 constexpr std::size_t kMostVertices = 65536, kMostTriangles = kMostVertices / 3;
-constexpr int kFarthest = 1 << 30;  // cell: what lies beyond is counted to it
+constexpr int kFarthest = 1 << 30;  // cell: triangles beyond it belong to it
 constexpr Rgba8 kIvoryColour = {233, 221, 197, 255};
 constexpr std::uint8_t kGloss = 150;
 
 using Cell = std::array<int, 3>;
 using TrianglesOf = std::map<Cell, std::vector<std::size_t>>;
 
-/// A vertex as it is drawn: one of the mesh with one of its normals and colours.
+/// A drawn vertex: a mesh vertex with one of its normals and colours.
 using Key = std::tuple<std::uint32_t, std::array<float, 3>, Rgba8>;
 
 int cellAt(double mm, double cell) {
@@ -35,8 +35,8 @@ TrianglesOf byCell(const Mesh& mesh, double cell) {
   return out;
 }
 
-// What is too much for a chunk is divided by count: smaller cells would not separate triangles on one spot, and leave a
-// chunk of its own to every other one. The parts get cells behind the farthest one, which nobody has.
+// Divides oversized cells by triangle count: smaller cells would not separate triangles on one spot, and would leave
+// every other triangle a chunk of its own. The parts get unused cells beyond the farthest one.
 void divide(TrianglesOf& triangles_of) {
   TrianglesOf parts;
   int next = kFarthest;

@@ -1,4 +1,4 @@
-// A whole mesh in the chunks that the live renderer takes: neighbours, gums, scans, what is not cut.
+// Splits a whole mesh into chunks for the live renderer: neighbours, gums, scans and other uncut meshes.
 #pragma once
 
 #include <vector>
@@ -8,17 +8,17 @@
 
 namespace kerf {
 
-/// A chunk with the colours of its vertices: sRGB, in the place of alpha the gloss.
+/// A chunk with vertex colours: sRGB, with gloss in place of alpha.
 struct ColouredChunk {
   MeshChunk chunk;
   std::vector<Rgba8> colours;
 };
 
-/// The triangles of the mesh by the cell of a grid that their middle lies in: every triangle in one chunk. `brick` is
-/// the cell; no two chunks have the same. Normals are smooth over gentle bends and sharp over creases of 40 degrees and
-/// more. A mesh without colours is ivory. O(triangles).
+/// Sorts triangles by the grid cell of their centroid, each into one chunk. `brick` is the cell, unique to the chunk.
+/// Normals are smooth over gentle bends and sharp over creases of 40 degrees and more. A mesh without colours is ivory.
+/// O(triangles).
 /// @param cell  side of a cell, mm, > 0. A cell with more vertices than a chunk can count (65 536) becomes several
-/// chunks; all but the first have a `brick` far away.
+/// chunks; all except the first have a `brick` far away.
 std::vector<ColouredChunk> chunksOf(const Mesh& mesh, double cell = 2);
 
 }  // namespace kerf

@@ -1,4 +1,4 @@
-// A mesh file in mm, whatever its unit, and what the user is to know about that.
+// Reads a mesh file of any unit in mm, with a note for the user.
 #pragma once
 
 #include <filesystem>
@@ -12,13 +12,13 @@
 namespace kerf {
 
 struct MeshInMm {
-  Mesh mesh;                         ///< mm; not rounded to float32 where it was scaled
-  std::string unit;                  ///< that of the file: chooseUnit()
+  Mesh mesh;                         ///< mm; not rounded to float32 if scaled
+  std::string unit;                  ///< unit of the file: chooseUnit()
   std::vector<NamedPart> objects{};  ///< MeshFile::objects
-  std::string note;  ///< a sentence if it was scaled, or if the unit is doubtful; empty: mm without a doubt
+  std::string note;                  ///< a sentence if it was scaled or the unit is doubtful; else empty
 };
 
-/// @param asked_unit  what the user says it is in; empty: as the file declares, or by its size.
+/// @param asked_unit  unit given by the user; empty: as the file declares, or by its size.
 /// Errors: those of readMesh() and chooseUnit(). Any thread.
 Expected<MeshInMm> readMeshInMm(const std::filesystem::path& file, const std::string& asked_unit);
 

@@ -9,7 +9,7 @@
 namespace kerf::neighbour_commands {
 namespace {
 
-// By the n-th word; if it is missing, the one that was cut most, or the first.
+// The neighbour named by the n-th word. Without that word: the most cut one, or the first.
 Expected<const SceneObject*> neighbourOf(const AppContext& c, AppWords words, std::size_t n) {
   const std::vector<Neighbour> all = c.bench.neighbours();
   std::string wanted, names;

@@ -1,4 +1,4 @@
-// Commands about what stands beside the object that is worked on; rows of the table in app_commands.cpp.
+// Commands about neighbours of the object in work; rows of the table in app_commands.cpp.
 #pragma once
 
 #include "ui/app/app_commands.h"

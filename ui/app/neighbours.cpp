@@ -9,10 +9,10 @@ namespace kerf {
 namespace {
 
 constexpr double kMostApart = 15;  // mm between the boxes: as for a pair of jaws
-// Of the diagonals: a tooth of 12 mm stands beside a jaw of 80, but an inch is 25.4 mm and a metre 1000.
+// Ratio of the diagonals: a tooth of 12 mm fits a jaw of 80, but an inch is 25.4 mm and a metre 1000.
 constexpr double kMostRatio = 12;
 constexpr double kDeep = 0.5;        // mm inside the object
-constexpr double kMostInside = 0.1;  // of the neighbour's surface: teeth that touch, and jaws in occlusion, have less
+constexpr double kMostInside = 0.1;  // of the neighbour's surface: touching teeth and jaws in occlusion have less
 constexpr std::size_t kSamples = 20000;
 
 double gapToNeighbour(const Box3& a, const Box3& b) {
@@ -20,7 +20,7 @@ double gapToNeighbour(const Box3& a, const Box3& b) {
   return apart.norm();
 }
 
-// Of a surface, the share of its vertices that lie deep in the object.
+// Share of a surface's vertices that lie deep in the object.
 double shareInside(const BrickField& object, const Mesh& solid) {
   const std::size_t stride = solid.vertices.size() / kSamples + 1;
   std::size_t all = 0, inside = 0;
@@ -35,13 +35,13 @@ double shareInside(const BrickField& object, const Mesh& solid) {
 }  // namespace
 
 Expected<NeighbourFields> neighbourFields(const LiveRun& run, const Progress& progress) {
-  constexpr double kReach = 3;  // mm: farther is no news, and costs memory
+  constexpr double kReach = 3;  // mm: farther gives no news and costs memory
   NeighbourFields out;
   for (const LiveNeighbour& other : run.neighbours()) {
     if (!report(progress, static_cast<double>(out.size()) / static_cast<double>(run.neighbours().size()),
                 "measuring the way to neighbours"))
       return fail({.code = Error::Code::kCancelled, .found = "cancelled"});
-    // As in its case: what was cut off it does not make it farther.
+    // As in its case: cuts do not make it farther.
     KERF_TRY(whole, BakedObject::make(*other.original, static_cast<const MaterialField*>(nullptr)));
     KeepOutOptions options = keepOutReach(whole->voxel());
     options.most_distance = std::min(options.most_distance, kReach);

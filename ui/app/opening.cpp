@@ -32,7 +32,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// mm^2, in its own unit or the one that is chosen for it.
+// mm^2, in the scan's unit or the chosen one.
 Expected<double> areaOfScan(const fs::path& path, const std::string& asked_unit) {
   KERF_TRY(file, readMesh(path));
   Box3 box = bounds(file.mesh);
@@ -80,7 +80,7 @@ std::vector<std::string> notesOf(const CaseManifest& manifest) {
   return out;
 }
 
-// The recipe that a label volume is baked by, below the data folder: people can read it there, and bake it again.
+// Recipe of a label volume, below the data folder: users can read it there and bake it again.
 Expected<fs::path> writeRecipe(const fs::path& volume, const OpeningOptions& options, const Progress& progress) {
   std::string text = options.prepare.recipe;
   if (text.empty()) {
@@ -107,7 +107,7 @@ Expected<fs::path> writeRecipe(const fs::path& volume, const OpeningOptions& opt
   return out;
 }
 
-// Bakes a scan or a recipe below the data folder, or finds it baked there.
+// Bakes a scan or a recipe below the data folder, or finds its earlier case there.
 Expected<Prepared> prepare(const fs::path& path, const OpeningOptions& options, const Progress& progress) {
   const FileKind kind = kindOf(path);
   if (kind == FileKind::kLabels) {
@@ -137,7 +137,7 @@ Expected<Prepared> prepare(const fs::path& path, const OpeningOptions& options, 
     const bool is_there = fs::exists(out.case_folder, failed);
     baked = is_recipe ? bakeRecipe(path, out.case_folder, bake_options, progress)
                       : bake({path}, out.case_folder, bake_options, progress);
-    // A case of another Kerf stays: sessions were cut from it.
+    // A case of another Kerf version stays: sessions were cut from it.
     if (baked || !is_there || baked.error().code != Error::Code::kWriteFailed) break;
   }
   if (!baked) return fail(std::move(baked).error());
@@ -146,9 +146,9 @@ Expected<Prepared> prepare(const fs::path& path, const OpeningOptions& options, 
   return out;
 }
 
-// ---- What stands beside
+// ---- Neighbours
 
-// The other jaw of a pair, where it was written. None: there is none, or it is another one by now.
+// The other jaw of a pair at its recorded path. None: it is missing or has changed.
 std::optional<fs::path> partnerOf(const fs::path& case_folder, const CaseManifest& manifest) {
   if (!manifest.pair) return {};
   const fs::path partner = fs::absolute(case_folder).lexically_normal().parent_path() / manifest.pair->partner;
@@ -165,7 +165,7 @@ std::string freeName(const std::string& wanted, const std::string& first, const 
   return out;
 }
 
-// All that is to stand beside a case, as cases; the partner of a jaw last.
+// All neighbours of a case, as cases; the partner of a jaw last.
 Expected<std::vector<CaseBeside>> prepareBeside(const fs::path& case_folder, const CaseManifest& manifest,
                                                 const OpeningOptions& options, const Progress& progress, Opened& out) {
   std::vector<CaseBeside> found;
@@ -188,7 +188,7 @@ Expected<std::vector<CaseBeside>> prepareBeside(const fs::path& case_folder, con
   return found;
 }
 
-// What of them hardly fits is said.
+// Notes the neighbours that hardly fit.
 Expected<void> noteMisfits(const LiveRun& run, std::vector<std::string>& notes) {
   for (const LiveNeighbour& other : run.neighbours()) {
     KERF_TRY(solid, readCaseSolid(other.known.folder));
@@ -275,12 +275,12 @@ FileKind kindOf(const fs::path& path) {
   if (isCase(path)) return FileKind::kCase;
   if (looksLikeTool(path)) return FileKind::kTool;
   if (looksLikeRecipe(path)) return FileKind::kRecipe;
-  // A picture beside meshes is no slice.
+  // A picture in a folder of meshes is no slice.
   return isLabelVolume(path) && !isFolderOfMeshes(path) ? FileKind::kLabels : FileKind::kScan;
 }
 
 double voxelFor(double area_mm2) {
-  constexpr double kTriangles = 8e5, kPerVoxel = 3.4;  // triangles a voxel of a scan's area, its base among them
+  constexpr double kTriangles = 8e5, kPerVoxel = 3.4;  // triangles per voxel of a scan's area, including the base
   const double voxel = std::sqrt(kPerVoxel * area_mm2 / kTriangles);
   return std::clamp(std::ceil(100 * voxel) / 100, 0.1, 0.25);
 }
@@ -328,7 +328,7 @@ Expected<Opened> openToCut(const fs::path& path, const OpeningOptions& options, 
   live.haptic.real_time = options.real_time;
   live.is_looked_at = true;
   if (kind == FileKind::kRun) live.from = path;
-  // Of a run its own come back by themselves, the partner of a jaw among them.
+  // The neighbours of a run come back by themselves, the partner of a jaw among them.
   const CaseManifest alone = [&] {
     CaseManifest copy = manifest;
     if (kind == FileKind::kRun) copy.pair.reset();
@@ -340,7 +340,7 @@ Expected<Opened> openToCut(const fs::path& path, const OpeningOptions& options, 
   if (options.coupling)
     live.step.coupling = *options.coupling;
   else
-    live.haptic.stall_ms = 5000;  // no arm is led: a busy machine need not stop the tool
+    live.haptic.stall_ms = 5000;  // no arm to protect: a busy machine need not stop the tool
   live.start = {Eigen::Quaterniond::Identity(), manifest.box.center() + Vec3d(0, 0, manifest.box.size()[2])};
   KERF_TRY(run, LiveRun::open(case_folder, newSessionFolder(options.data_folder, out.name), std::move(live),
                               partOf(progress, 0.7, 0.9)));
@@ -362,7 +362,7 @@ Expected<Opened> openToCut(const fs::path& path, const OpeningOptions& options, 
 
 namespace {
 
-// Another run in the same folder that holds the same. None: there is none.
+// Another run in the same folder with the same content. None: there is none.
 std::optional<fs::path> sameRun(const fs::path& run_folder, const RunManifest& run) {
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(run_folder.parent_path(), ignored)) {
@@ -386,7 +386,7 @@ Expected<Opened> openBranchToCut(const fs::path& run_folder, const BranchPoint& 
   fs::create_directories(branch.parent_path(), ignored);
   KERF_TRY(written, branchRun(run_folder, point, branch, partOf(progress, 0, 0.5)));
 
-  // One that nobody goes on with is not kept, nor is a second one of the same moment.
+  // Drops a branch without a session, and a second branch of the same moment.
   const auto known = sameRun(branch, written);
   if (known) fs::remove_all(branch, ignored);
   auto opened = openToCut(known.value_or(branch), options, partOf(progress, 0.5, 1));
@@ -396,7 +396,7 @@ Expected<Opened> openBranchToCut(const fs::path& run_folder, const BranchPoint& 
 
 namespace {
 
-// The file that is opened for a demo, made if it is not there yet.
+// The file of a demo, made if missing.
 Expected<fs::path> makeDemo(const std::string& name, const fs::path& data_folder, const Progress& progress) {
   const fs::path folder = data_folder / "demo" / name;
   const std::string manifest = name + (name == "arch" ? ".ply" : ".toml");

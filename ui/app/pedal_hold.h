@@ -1,4 +1,4 @@
-// A trigger or a knob as the foot pedal: how a stroke begins, is led and ends by it.
+// A trigger or a knob as the foot pedal: begins, leads and ends a stroke.
 #pragma once
 
 #include <string_view>
@@ -9,8 +9,8 @@ namespace kerf {
 
 class PedalHold {
  public:
-  /// Once a frame.   @param pedal  0: at rest; to 1. Above rest a stroke begins where the tool is, and ends with it.
-  /// After something else has ended the stroke the pedal has to go to rest first.
+  /// Once a frame.   @param pedal  0 (rest) to 1. Above rest a stroke begins at the tool; at rest it ends. If something
+  /// else ended the stroke, the pedal must return to rest first.
   void update(AppContext& context, StrokePointer& pointer, double pedal);
   bool holds() const { return holds_; }
 
@@ -19,7 +19,7 @@ class PedalHold {
   bool is_spent_ = false;
 };
 
-/// As runAppCommand(), for a button: nothing happens when the command can not be given now. Its errors are notices.
+/// As runAppCommand(), for a button: does nothing if the command is unavailable now. Its errors are notices.
 void runIfItCan(AppContext& context, std::string_view id);
 
 }  // namespace kerf

@@ -8,7 +8,7 @@
 namespace kerf {
 namespace {
 
-// The smallest of 1, 2 and 5 times a power of ten that is not below.
+// Rounds up to 1, 2 or 5 times a power of ten.
 double roundedUp(double mm) {
   const double power = std::pow(10, std::floor(std::log10(mm)));
   for (const double factor : {1.0, 2.0, 5.0})
@@ -23,7 +23,8 @@ std::string pictureNameOf(const Vec3d& direction) {
   return {};
 }
 
-// @param middle  what the middle of the picture is at, mm.   @param direction  1: pixels grow with mm; -1: they fall.
+// @param middle  coordinate at the middle of the picture, mm.   @param direction  1: pixels grow with mm; -1: they
+// fall.
 std::vector<PictureGrid::Line> pictureLines(double middle, double step, double mm_per_pixel, int pixels,
                                             int direction) {
   const double half = 0.5 * pixels * mm_per_pixel;

@@ -15,7 +15,7 @@ constexpr std::array<PieceColour, 7> kColours = {{{"orange", {230, 159, 0, 255}}
                                                   {"vermilion", {213, 94, 0, 255}},
                                                   {"purple", {204, 121, 167, 255}}}};
 constexpr double kShare = 0.67;  // of the hue
-constexpr double kLight = 225;   // of a tissue on which the hue is as in the table
+constexpr double kLight = 225;   // lightness of a tissue that shows the hue as in the table
 
 }  // namespace
 

@@ -1,6 +1,6 @@
-// Colours that a person gives to pieces, so that they are told apart in the picture.
+// User colours of pieces, to distinguish them in the picture.
 //
-// Okabe & Ito, "Color universal design", 2008: seven hues that are told apart with and without red and green cones.
+// Okabe & Ito, "Color universal design", 2008: seven hues, distinct with and without red and green cones.
 #pragma once
 
 #include <span>
@@ -12,14 +12,14 @@
 namespace kerf {
 
 struct PieceColour {
-  const char* name;  ///< of the command and in files: "sky"
+  const char* name;  ///< in the command and in files: "sky"
   Rgba8 colour;      ///< sRGB
 };
 std::span<const PieceColour> pieceColours();
-/// Null: there is none of that name.
+/// Null: no such name.
 const PieceColour* findPieceColour(std::string_view name);
 
-/// Colours of vertices in another hue: light and shade of tissues stay, and a third of their own colour. Gloss stays.
+/// Shifts vertex colours to another hue. Keeps light and shade of tissues, a third of their own colour, and the gloss.
 void tint(std::vector<Rgba8>& colours, const PieceColour& of);
 
 }  // namespace kerf

@@ -18,7 +18,7 @@ Expected<const SceneObject*> chosen(const AppContext& c) {
   return wrongWord("no piece is chosen", "one of the pieces", "piece.choose 2");
 }
 
-// By its name, or by its number in the list.
+// By name, or by number in the list.
 Expected<const SceneObject*> named(const AppContext& c, const std::string& word) {
   const auto shown = c.bench.scene().shown();
   std::string names;
@@ -29,7 +29,7 @@ Expected<const SceneObject*> named(const AppContext& c, const std::string& word)
   return wrongWord("\"" + word + "\"", fmt::format("1 to {}, or one of {}", shown.size(), names));
 }
 
-// What is to be moved: by word n, if there is one, else the chosen piece. What stands beside stays where its scan is.
+// The piece to move: word n, if given, else the chosen piece. Neighbours stay at their scan positions.
 Expected<const SceneObject*> toMove(const AppContext& c, AppWords words, std::size_t n) {
   KERF_TRY(object, n < words.size() ? named(c, words[n]) : chosen(c));
   if (!object->isBeside()) return object;
@@ -127,7 +127,7 @@ Expected<void> colour(AppContext& c, AppWords words) {
   KERF_TRY(piece, chosen(c));
   std::string name;
   if (words.empty()) {
-    // The next one of the palette, after the last none.
+    // The next colour of the palette; none after the last.
     const auto all = pieceColours();
     const auto* const now = findPieceColour(piece->colour);
     const std::size_t next = now ? static_cast<std::size_t>(now - all.data()) + 1 : 0;

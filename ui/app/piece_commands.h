@@ -5,13 +5,13 @@
 
 namespace kerf::piece_commands {
 
-/// There is more than one piece, or one was moved.
+/// There are several pieces, or one was moved.
 bool arePieces(const AppContext& context);
 bool isChosen(const AppContext& context);
 
 Expected<void> choose(AppContext& context, AppWords words);  ///< PIECE: name or number
 Expected<void> chooseNext(AppContext& context, AppWords words);
-Expected<void> move(AppContext& context, AppWords words);  ///< X Y Z, mm, added
+Expected<void> move(AppContext& context, AppWords words);  ///< X Y Z, mm, relative
 Expected<void> turn(AppContext& context, AppWords words);  ///< X|Y|Z DEGREES, about its middle
 Expected<void> putBack(AppContext& context, AppWords words);
 Expected<void> hide(AppContext& context, AppWords words);

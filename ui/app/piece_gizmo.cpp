@@ -8,7 +8,7 @@ namespace kerf {
 namespace {
 
 constexpr int kOnRing = 48;
-constexpr double kLeastOnScreen = 0.1;  // of its length, that an arrow must show
+constexpr double kLeastOnScreen = 0.1;  // least visible share of an arrow's length
 
 double distanceToLine(const Pixel& at, const Pixel& a, const Pixel& b) {
   const Pixel along = b - a;
@@ -97,19 +97,19 @@ Rigid3 PieceGizmo::dragged(GizmoHandle handle, const Pixel& from, const Pixel& t
     return out;
   }
   if (number < 3) {
-    // The centre is led by as much as the cursor goes, wherever the arrow was grabbed.
+    // The centre follows the cursor's motion, wherever the arrow was grabbed.
     out.translation += alongAxis(Vec3d::Unit(number), by) * Vec3d::Unit(number);
     return out;
   }
 
-  // Along the tangent of the ring where it was grabbed.
+  // Along the tangent of the ring at the grabbed place.
   const int axis = number - 3;
   const std::vector<Pixel> points = ring(axis);
   std::size_t nearest = 0;
   for (std::size_t n = 1; n < points.size(); ++n)
     if ((points[n] - from).norm() < (points[nearest] - from).norm()) nearest = n;
   const Pixel tangent = points[(nearest + 1) % points.size()] - points[(nearest + points.size() - 1) % points.size()];
-  const double per_step = 4 * std::numbers::pi / kOnRing;  // radians, of the two steps of the ring
+  const double per_step = 4 * std::numbers::pi / kOnRing;  // radians, over the two steps of the ring
   if (!(tangent.squaredNorm() > 1e-6)) return out;
   const double angle = per_step * by.dot(tangent) / tangent.squaredNorm();
 

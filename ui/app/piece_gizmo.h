@@ -1,6 +1,6 @@
-// Handles by which a piece is moved with the mouse: three arrows, three rings, and a disc that moves it in the picture.
+// Handles to move a piece with the mouse: three arrows, three rings, and a disc that moves it in the picture.
 //
-// No drawing: lines in pixels of the picture, for whatever draws them, and what a drag of one of them means.
+// No drawing: gives lines in pixels of the picture, and the effect of a drag.
 #pragma once
 
 #include <array>
@@ -19,24 +19,24 @@ enum class GizmoHandle { kMoveX, kMoveY, kMoveZ, kTurnX, kTurnY, kTurnZ, kMoveIn
 class PieceGizmo {
  public:
   static constexpr double kArrow = 90, kRing = 60, kDisc = 9;  ///< pixels
-  static constexpr double kReach = 8;                          ///< pixels: so near to a handle is on it
+  static constexpr double kReach = 8;                          ///< pixels: grab distance of a handle
 
-  /// @param center  of the piece where it is, world, mm. @param width, height  of the picture, pixels.
+  /// @param center  of the piece at its present pose, world, mm. @param width, height  of the picture, pixels.
   PieceGizmo(const Camera& camera, int width, int height, const Vec3d& center);
 
   Pixel center() const;
   Pixel arrowTip(int axis) const;
   std::vector<Pixel> ring(int axis) const;  ///< closed
-  /// The one that is nearest within reach; none: beside all. An arrow that points at the viewer cannot be grabbed.
+  /// The nearest handle within reach. None: no handle in reach. An arrow that points at the viewer cannot be grabbed.
   std::optional<GizmoHandle> handleAt(const Pixel& at) const;
 
-  /// What a drag does to a pose: along the axis, about it through the centre, or in the picture.
+  /// Pose after a drag: moved along the axis, turned about it through the centre, or moved in the picture.
   Rigid3 dragged(GizmoHandle handle, const Pixel& from, const Pixel& to, const Rigid3& pose) const;
 
  private:
-  Pixel flat(const Vec3d& direction) const;      // pixels per mm, in a plane square to the view
+  Pixel flat(const Vec3d& direction) const;      // pixels per mm, in a plane perpendicular to the view
   Pixel onScreen(const Vec3d& direction) const;  // pixels per mm, at the centre
-  double growth(const Vec3d& direction) const;   // per mm: how much larger things become that way, in perspective
+  double growth(const Vec3d& direction) const;   // per mm: growth in perspective along that direction
   double alongAxis(const Vec3d& direction, const Pixel& by) const;  // mm
 
   Camera camera_;

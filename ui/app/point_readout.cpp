@@ -8,7 +8,7 @@
 namespace kerf {
 namespace {
 
-// As loaded; what was cut does not change what is left.
+// As loaded; a cut does not change the remaining material.
 Material materialAt(const BakedObject& object, const Vec3d& p) {
   const Vec3d nodes = p / object.voxel();
   const Vec3i node(static_cast<int>(std::lround(nodes[0])), static_cast<int>(std::lround(nodes[1])),
@@ -55,7 +55,7 @@ std::optional<PointReadout> readoutOfTool(const Workbench& bench) {
   const BakedObject& loaded = bench.run()->object();
   const StepOutput& now = bench.report().output;
   PointReadout out;
-  out.point = front->point + std::max(0.0, -front->depth) * front->into;  // in air: where it will touch
+  out.point = front->point + std::max(0.0, -front->depth) * front->into;  // in air: the next contact
   out.normal = -front->into;
   const bool touches = now.touching > 0 && (now.objects_touched & objectBit(0));
   const Material under = touches ? now.material : materialAt(loaded, out.point + 0.5 * loaded.voxel() * front->into);

@@ -19,7 +19,7 @@ Expected<Ray> rayOf(const AppContext& c, AppWords words, std::size_t n) {
 }
 
 Ray rayUnder(const Camera& camera, double x, double y, int width, int height) {
-  constexpr double kOff = 300;  // mm: farther off than any case is large
+  constexpr double kOff = 300;  // mm: larger than any case
   const double mm = camera.mmPerPixel(height);
   const Vec3d off = mm * (x - 0.5 * width) * camera.right() - mm * (y - 0.5 * height) * camera.up();
   if (!camera.isPerspective()) return {camera.target + off + kOff * camera.backwards(), -camera.backwards()};

@@ -9,7 +9,7 @@ namespace {
 
 using std::chrono::steady_clock;
 
-constexpr auto kSettlesAfter = std::chrono::milliseconds(300);  // a dragged slider is not followed step by step
+constexpr auto kSettlesAfter = std::chrono::milliseconds(300);  // a dragged slider does not start a job at each step
 
 }  // namespace
 
@@ -47,7 +47,7 @@ bool PreviewedPlan::update() {
   if (job_ && job_->isOver()) {
     auto done = job_->take();
     job_.reset();
-    if (is_preview_due_) return false;  // of choices that were changed since
+    if (is_preview_due_) return false;  // the choices have changed since
     if (done) {
       preview_s_ = done->seconds;
       preview_ = std::move(*done);

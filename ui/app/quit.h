@@ -1,4 +1,4 @@
-// Quitting: a cut that was not exported is asked about, once. It is no question of losing work: sessions are kept.
+// Quitting: asks once about a cut that was not exported. No work is lost: sessions are kept.
 #pragma once
 
 #include <string>
@@ -7,12 +7,12 @@
 
 namespace kerf::quit {
 
-/// Ends the program, or asks first: AppContext::is_asking_to_quit. A second time while it asks is an answer.
+/// Ends the program, or asks first: AppContext::is_asking_to_quit. A second call while it asks confirms.
 Expected<void> quit(AppContext& c, AppWords words);
 bool isAsking(const AppContext& c);
 /// The window stays open.
 Expected<void> stay(AppContext& c, AppWords words);
-/// The window stays open, with the export panel where that can be shown.
+/// Keeps the window open, with the export panel if available.
 void exportFirst(AppContext& c);
 
 /// "Your cut is kept in ...; it was not exported."

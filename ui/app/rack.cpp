@@ -30,7 +30,7 @@ std::optional<fs::file_time_type> timeOf(const fs::path& file) {
   return failed ? std::nullopt : std::optional(out);
 }
 
-// Of a tool's file that need not be right. Empty: it names none.
+// Mesh named in a tool's file, which may be invalid. Empty: none.
 fs::path meshNamedIn(const fs::path& tool_file) {
   const auto root = parseToml(tool_file);
   const auto name = root ? (*root)["mesh"].value<std::string>() : std::nullopt;
@@ -81,7 +81,7 @@ Expected<Rack> readRack(const std::vector<std::string>& names, const fs::path& o
   folders.push_back(own_folder);
   const bool is_whole = names.empty();
 
-  // Those that are named, or are for a first look.
+  // The named tools, or those for a first look.
   for (const std::string& name : is_whole ? defaultTools() : names) {
     if (!report(progress, 0, name)) return cancelled();
     const auto file = findToolFile(name, folders);
@@ -94,13 +94,13 @@ Expected<Rack> readRack(const std::vector<std::string>& names, const fs::path& o
     auto tool = readTool(*file);
     if (tool)
       out.tools.push_back(rackTool({*file, std::move(*tool)}, times));
-    else if (!is_whole)  // else it is told below
+    else if (!is_whole)  // for the whole rack see below
       keepBroken(out, *file, tool.error(), times);
   }
   if (!is_whole) return out;
   out.first_look = out.tools.size();
 
-  // All others.
+  // All other tools.
   std::map<fs::path, ToolTimes> times;
   for (const fs::path& folder : folders) {
     std::error_code failed;

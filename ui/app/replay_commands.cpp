@@ -9,7 +9,7 @@
 namespace kerf::replay_commands {
 namespace {
 
-// Where a step ends; 0: the beginning.
+// End of a step; 0: the beginning.
 std::size_t endOf(const WatchedRun& run, std::size_t step) { return step == 0 ? 0 : run.steps()[step - 1].end; }
 
 }  // namespace
@@ -23,7 +23,7 @@ Expected<void> open(AppContext& c, AppWords words) {
   return {};
 }
 
-// At the end: from the beginning.
+// At the end it restarts from the beginning.
 Expected<void> play(AppContext& c, AppWords) {
   WatchedRun& run = *c.bench.watched();
   if (run.moment().is_at_end) run.jumpTo(0);

@@ -1,4 +1,4 @@
-// Commands by which a session that has ended is watched.
+// Commands to watch an ended session.
 #pragma once
 
 #include "ui/app/app_commands.h"

@@ -27,7 +27,7 @@ Expected<void> makeEmptyFolder(const fs::path& folder) {
                .hint = "another name"});
 }
 
-// Moments of the pictures, in samples that are ticked.
+// Moments of the pictures, in ticked samples.
 Expected<std::vector<std::size_t>> momentsOf(const FilmOptions& o, const WatchedRun& run) {
   const double last = std::min(o.until_s, run.seconds());
   const bool is_in_range = o.fps > 0 && o.fps <= FilmOptions::kMostFps && o.from_s >= 0 && o.from_s < last;

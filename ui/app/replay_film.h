@@ -12,18 +12,18 @@ namespace kerf {
 
 struct FilmOptions {
   std::filesystem::path folder;  ///< new, or empty
-  double fps = 10;               ///< pictures a simulated second
+  double fps = 10;               ///< pictures per simulated second
   double from_s = 0, until_s = std::numeric_limits<double>::infinity();
 
-  static constexpr double kMostFps = 1000;  ///< that of the step
+  static constexpr double kMostFps = 1000;  ///< one picture per tick
   static constexpr std::size_t kMostPictures = 20'000;
 };
 
 /// Writes frame-00001.png, frame-00002.png, ... of the session that `context` watches: the first at from_s, the last no
 /// later than until_s or the end. Each shows the state after its tick, bit for bit as it was cut.
-/// @param frame  is called about 60 times a second while it waits.   @pre context.screenshot draws.
-/// @return  how many.   Errors: kBadValue for options out of range; kWriteFailed, also for a folder that holds
-/// something already; kUnsupported when nothing is watched; those of drawing. Pictures written so far stay.
+/// @param frame  called about 60 times a second during waits.   @pre context.screenshot draws.
+/// @return  number of pictures.   Errors: kBadValue for options out of range; kWriteFailed, also for a folder that is
+/// not empty; kUnsupported if no session is watched; those of drawing. Pictures written so far stay.
 Expected<std::size_t> filmReplay(AppContext& context, const FilmOptions& options, const std::function<void()>& frame);
 
 }  // namespace kerf

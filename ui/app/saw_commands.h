@@ -1,11 +1,11 @@
-// What the commands of saw planning do; their rows are in app_commands.cpp.
+// Commands of saw planning; their rows are in app_commands.cpp.
 #pragma once
 
 #include "ui/app/app_commands.h"
 
 namespace kerf::saw_commands {
 
-bool hasPlane(const AppContext& c);   ///< something is open, and a plane chosen
+bool hasPlane(const AppContext& c);   ///< an object is open, and a plane chosen
 bool isCutting(const AppContext& c);  ///< a plane is being sawn
 bool isPicking(const AppContext& c);  ///< points or a line are being picked
 

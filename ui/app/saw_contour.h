@@ -1,4 +1,4 @@
-// Where a planned cut meets the surface as it is now.
+// Intersection of a planned cut with the surface as it is now.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 
 namespace kerf {
 
-/// Straight pieces of the surface's contour in a plane, of those within its rectangle; world frame, in no order.
+/// Straight segments of the surface's contour within the plane's rectangle; world frame, unordered.
 /// @cost  as LiveScene::contour(): a ms for a jaw.
 std::vector<std::array<Vec3d, 2>> contourOf(const SawPlane& plane, const LiveScene& scene);
 

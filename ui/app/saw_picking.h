@@ -1,5 +1,5 @@
-// How a person points out a plane in the view: three points, a line, a face. What was picked so far, and what to do
-// next. No drawing, no window.
+// Picking a plane in the view: three points, a line, a face. Keeps the picked points and gives the next hint. No
+// drawing, no window.
 #pragma once
 
 #include <optional>
@@ -17,20 +17,20 @@ class SawPicking {
  public:
   enum class What { kNothing, kPoints, kLine, kFace };
 
-  /// Leaves what was begun before.
+  /// Discards an unfinished pick.
   void begin(What what);
   What what() const { return what_; }
-  /// What to do next, for a line of text; empty: nothing is being picked.
+  /// Hint for the next pick, one line; empty: no pick is active.
   std::string hint() const;
-  /// The button went down, moves, is let go. When enough is picked the plane is made, and picking ends; what can not
-  /// be picked is answered with the error, and the same is asked for again.
+  /// Button press, move and release. A complete pick makes the plane and ends picking. A failed pick returns its error
+  /// and can be repeated.
   Expected<void> press(Sawing& saw, const Ray& ray);
   void move(const Ray& ray);
   Expected<void> release(Sawing& saw, const Ray& ray);
 
-  /// On the surface, mm: picked so far.
+  /// Picked points on the surface, mm.
   const std::vector<Vec3d>& points() const { return points_; }
-  /// The line that is being drawn; none: the button is up.
+  /// Start of the line being drawn; none: the button is up.
   const std::optional<Ray>& lineFrom() const { return from_; }
   const Ray& lineTo() const { return to_; }
 

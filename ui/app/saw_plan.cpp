@@ -14,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kFormatVersion = 1;
-constexpr double kApart = 0.5;        // mm: points nearer than that make no direction
+constexpr double kApart = 0.5;        // mm: nearer points give no direction
 constexpr double kFlat = 0.02;        // sine of the least angle between two sides of three points
 constexpr double kMostMm = 1e4;       // of a coordinate in a file
 constexpr double kUnitWithin = 1e-6;  // directions of a file
@@ -27,7 +27,7 @@ tl::unexpected<Error> noPlane(std::string found, std::string expected, std::stri
                .hint = std::move(hint)});
 }
 
-// What of a direction lies in the plane, unit. None: nothing to speak of.
+// Component of a direction in the plane, unit. None: nearly zero.
 std::optional<Vec3d> within(const Vec3d& normal, const Vec3d& direction) {
   const double length = direction.norm();
   if (!(length > 1e-12)) return {};
@@ -37,7 +37,7 @@ std::optional<Vec3d> within(const Vec3d& normal, const Vec3d& direction) {
   return part.normalized();
 }
 
-// As much along `wanted` as the plane allows; square to that, some direction of the plane.
+// The plane's direction nearest to `wanted`. If `wanted` is perpendicular: nearest to down, else to y.
 Vec3d approachIn(const Vec3d& normal, const Vec3d& wanted) {
   if (const auto part = within(normal, wanted)) return *part;
   if (const auto down = within(normal, -Vec3d::UnitZ())) return *down;
@@ -265,7 +265,7 @@ Expected<void> SawPlan::load(const fs::path& file) {
   KERF_CHECK(top.finish());
   for (std::size_t n = 0; tables && n < tables->size(); ++n) {
     const toml::table* const table = (*tables)[n].as_table();
-    if (!table) continue;  // tables() has said so
+    if (!table) continue;  // tables() has reported it
     KERF_TRY(plane, readPlane(*table, file, n));
     const auto hasSameName = [&](const SawPlane& other) { return other.name == plane.name; };
     if (std::any_of(planes.begin(), planes.end(), hasSameName))

@@ -1,7 +1,7 @@
 // Planned saw cuts: named planes, bounded to a blade, kept in a file.
 //
 // Frame: the case's (world), mm, right-handed. A plane is a rectangle: `point` is the middle of the side where the
-// teeth enter, `approach` the way they go, `width` the extent along the teeth, `depth` that along the approach.
+// teeth enter, `approach` their direction, `width` the extent along the teeth, `depth` that along the approach.
 //
 //        point
 //    ┌─────●─────┐  ──▶ across = normal x approach
@@ -31,31 +31,32 @@ struct SawPlane {
   double width = 20, depth = 10;     ///< mm
 
   Vec3d across() const { return normal.cross(approach); }
-  /// Of the rectangle: entering left, entering right, far right, far left.
+  /// Corners of the rectangle: entering left, entering right, far right, far left.
   std::array<Vec3d, 4> corners() const;
   /// In the plane, mm: x along across, y along approach, from `point`. z: height above the plane.
   Vec3d toPlane(const Vec3d& p) const;
   Vec3d fromPlane(double u, double v) const { return point + u * across() + v * approach; }
 };
 
-// ---- Planes from what a person points at. The rectangle is not bounded yet: fitToBone() (saw_section.h) does that.
+// ---- Planes from user picks. The rectangle is not bounded yet: fitToBone() (saw_section.h) does that.
 
-/// Through three points. The teeth go in as much against `outward` (of the surface there) as the plane allows.
+/// Through three points. The teeth go against `outward` (of the surface there) as far as the plane allows.
 /// Error kGeometry: the points lie on a line, or nearer than 0.5 mm to each other.
 Expected<SawPlane> planeThrough(const std::array<Vec3d, 3>& points, const Vec3d& outward);
-/// Through two points, parallel to `view` (unit, into the picture): what a line drawn in a view means. The teeth go in
-/// along the view. Error kGeometry: nearer than 0.5 mm as seen.
+/// Through two points, parallel to `view` (unit, into the picture): a line drawn in a view. The teeth go along the
+/// view. Error kGeometry: nearer than 0.5 mm as seen.
 Expected<SawPlane> planeAlongView(const Vec3d& from, const Vec3d& to, const Vec3d& view);
-/// Through a point, square to `normal` (any length). Without an approach, or with one along the normal, the teeth go as
-/// much downwards (-z) as the plane allows.   Error kBadValue: no direction.
+/// Through a point, perpendicular to `normal` (any length). Without an approach, or with one along the normal, the
+/// teeth go downwards (-z) as far as the plane allows.   Error kBadValue: no direction.
 Expected<SawPlane> planeSquareTo(const Vec3d& point, const Vec3d& normal, const std::optional<Vec3d>& approach = {});
 
 // ---- Steps
 
 void movePlane(SawPlane& plane, double mm);  ///< along its normal
-/// About the approach through `point`, then about the line along the teeth, rad. Right-handed. Depth and width stay.
+/// First about the approach through `point`, then about the line along the teeth, rad. Right-handed. Depth and width
+/// stay.
 void turnPlane(SawPlane& plane, double about_approach, double about_across);
-/// The approach turns within the plane about the middle of the rectangle, rad, right-handed about the normal.
+/// Turns the approach within the plane about the middle of the rectangle, rad, right-handed about the normal.
 void turnApproach(SawPlane& plane, double angle);
 
 /// Named planes, one of them chosen. Names are unique and not empty.
@@ -66,24 +67,24 @@ class SawPlan {
   const std::vector<SawPlane>& planes() const { return planes_; }
   const SawPlane* chosen() const { return chosen_ < planes_.size() ? &planes_[chosen_] : nullptr; }
   std::size_t chosenIndex() const { return chosen_; }  ///< planes().size(): none
-  /// Rises with every change: what was made from the planes is outdated.
+  /// Increases with every change: results derived from the planes are outdated.
   std::uint64_t version() const { return version_; }
 
-  /// Adds a plane and chooses it. Without a name it gets "plane 1", or the next number that is free.
+  /// Adds a plane and chooses it. Without a name it gets "plane 1", or the next free number.
   void add(SawPlane plane);
-  /// Puts another in the place of the chosen one; its name stays. @pre one is chosen.
+  /// Replaces the chosen plane; its name stays. @pre one is chosen.
   void replaceChosen(SawPlane plane);
   void choose(std::size_t n);
   Expected<void> choose(const std::string& name);
-  /// Error kBadValue: another plane is called so, or the name is empty or longer than 60 characters.
+  /// Error kBadValue: another plane has this name, or it is empty or longer than 60 characters.
   Expected<void> renameChosen(const std::string& name);
-  void removeChosen();  ///< the one before is chosen then
+  void removeChosen();  ///< chooses the previous one
   void clear();
 
-  /// A TOML file, whole or not at all. Errors: kWriteFailed.
+  /// Writes a TOML file atomically. Errors: kWriteFailed.
   Expected<void> save(const std::filesystem::path& file) const;
-  /// Replaces all planes by those of a file. Errors name the key: kBadFormat, kBadValue; kUnsupported for a version of
-  /// another Kerf; kNotFound. The planes stay as they were then.
+  /// Replaces all planes by those of a file. Errors name the key and keep the planes: kBadFormat, kBadValue;
+  /// kUnsupported for a version of another Kerf; kNotFound.
   Expected<void> load(const std::filesystem::path& file);
 
  private:

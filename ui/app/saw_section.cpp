@@ -13,14 +13,14 @@ namespace kerf {
 namespace {
 
 constexpr double kCell = SawnSection::kCell;
-constexpr double kLooked = 45;         // mm around the point that a section is looked for
+constexpr double kLooked = 45;         // mm: search range of a section around the point
 constexpr double kNear = 8;            // mm from the point to the bone, at most
-constexpr double kBefore = 0.5;        // mm outside the bone, where a rectangle begins
-constexpr double kBehind = 1;          // mm behind the bone, where it ends
+constexpr double kBefore = 0.5;        // mm outside the bone: start of a rectangle
+constexpr double kBehind = 1;          // mm behind the bone: its end
 constexpr double kAboveSection = 0.3;  // mm above the bone a pass begins slowly
-constexpr double kBeside = 12;         // mm around a rectangle in which a blade may saw what was not planned
-constexpr double kTouches = 0.06;      // mm: so near to the teeth is sawn
-constexpr int kDirections = 72;        // of an approach that is looked for
+constexpr double kBeside = 12;         // mm: margin of a rectangle for unplanned sawing
+constexpr double kTouches = 0.06;      // mm from the teeth: counts as sawn
+constexpr int kDirections = 72;        // tried for an approach
 
 struct Extent {
   double low = std::numeric_limits<double>::infinity(), high = -low;
@@ -33,7 +33,7 @@ struct Extent {
 
 using Point2 = Eigen::Vector2d;
 
-// The cells of the plane in bone that hang together with the one nearest to the plane's point; (u, v).
+// The bone cells of the plane connected with the one nearest to the plane's point; (u, v).
 std::vector<Point2> sectionNear(const SawPlane& plane, const BrickField& bone) {
   const int side = static_cast<int>(std::lround(2 * kLooked / kCell)) + 1;
   const auto placeOf = [](int n) { return n * kCell - kLooked; };
@@ -70,7 +70,7 @@ std::vector<Point2> sectionNear(const SawPlane& plane, const BrickField& bone) {
 struct Extents {
   Extent across, along;
 };
-// Of cells, if the approach were turned by an angle about the normal.
+// Extents of cells for an approach turned by an angle about the normal.
 Extents extentsOf(const std::vector<Point2>& cells, double angle) {
   const double c = std::cos(angle), s = std::sin(angle);
   Extents out;
@@ -81,13 +81,13 @@ Extents extentsOf(const std::vector<Point2>& cells, double angle) {
   return out;
 }
 
-// By how much a blade falls short of a section, mm.
+// Shortfall of a blade for a section, mm.
 double shortBy(const Extents& e, const SawBlade& blade) {
   return std::max(0.0, e.across.size() + 2 * kBefore - blade.most_width) +
          std::max(0.0, e.along.size() + kBefore + kBehind - blade.most_depth);
 }
 
-// The turn of the approach, rad, with which the blade reaches most; of those one along the sides of the section.
+// The turn of the approach, rad, with the greatest reach of the blade; of equal ones along the sides of the section.
 double bestTurn(const std::vector<Point2>& cells, const SawBlade& blade) {
   double best = 0, least = std::numeric_limits<double>::infinity();
   for (int n = 0; n < kDirections; ++n) {
@@ -124,7 +124,7 @@ Expected<SawPlane> fitToBone(SawPlane plane, const BrickField& bone, const SawBl
   SawPlane out = plane;
   out.approach = Eigen::AngleAxisd(turn, plane.normal) * plane.approach;
 
-  // Across: the bone, not beyond a line that was drawn, not beyond the blade.
+  // Limits across: the bone, a drawn line, the blade.
   Extent across{e.across.low - kBefore, e.across.high + kBefore};
   if (options.across) {
     across.low = std::max(across.low, options.across->front());
@@ -153,7 +153,7 @@ Expected<SawPlane> fitToBone(SawPlane plane, const BrickField& bone, const SawBl
 std::vector<SawPass> passesOf(const SawPlane& plane, const BrickField& bone, const SawBlade& blade, bool is_turned) {
   std::vector<double> places;
   if (blade.is_held_at_end) {
-    // The tip ends where the rectangle does; what is longer stands out on the handpiece's side.
+    // The tip ends with the rectangle; a longer blade stands out on the handpiece's side.
     const double aside = 0.5 * (blade.span - plane.width);
     places.push_back(is_turned ? -aside : aside);
   } else if (plane.width <= blade.flat) {
@@ -168,7 +168,7 @@ std::vector<SawPass> passesOf(const SawPlane& plane, const BrickField& bone, con
   for (const double u : places) {
     Extent along;
     for (double beside = -0.5 * blade.span; beside <= 0.5 * blade.span; beside += kCell) {
-      // What lies beside the rectangle is in the teeth's way, too.
+      // Tissue beside the rectangle is in the teeth's way, too.
       for (double v = -kBefore - kBehind; v <= plane.depth; v += kCell)
         if (bone.sample(plane.fromPlane(u + beside, v)) < 0) along.add(v);
     }

@@ -1,4 +1,4 @@
-// What a planned plane meets: the bone in it, the passes that saw it, and how much of it is sawn.
+// Section of a planned plane: its bone, the passes that saw it, and the sawn share.
 #pragma once
 
 #include <array>
@@ -14,44 +14,44 @@
 
 namespace kerf {
 
-/// How a rectangle is bounded.
+/// Bounds of a rectangle.
 struct FitOptions {
-  /// Not beyond these, mm from the point along across: a line was drawn.
+  /// Limits, mm from the point along across, of a drawn line.
   std::optional<std::array<double, 2>> across = {};
-  bool keeps_approach = false;  ///< else it turns within its plane where the blade reaches too little as it is
+  bool keeps_approach = false;  ///< false: it turns within its plane where the blade reaches too little
 };
 
-/// Bounds a plane to the bone that is nearest to its point, in one connected section, and to what the blade reaches.
-/// The rectangle then begins 0.5 mm outside the bone and ends 1 mm behind it.
+/// Bounds a plane to the bone nearest to its point, in one connected section, and to the reach of the blade. The
+/// rectangle then begins 0.5 mm outside the bone and ends 1 mm behind it.
 /// @param bone  distances, mm, negative inside; the case's frame.
 /// Error kEmpty: no bone of the plane within 8 mm of the point.   @cost  20 ms.
 Expected<SawPlane> fitToBone(SawPlane plane, const BrickField& bone, const SawBlade& blade, FitOptions options = {});
 
-/// Whether a blade that is held at its end has its handpiece towards -across: it stays outside the jaw, away from the
-/// middle of the bone.
+/// True if the handpiece of a blade held at its end points towards -across: away from the middle of the bone, to stay
+/// outside the jaw.
 bool isTurned(const SawPlane& plane, const SawBlade& blade, const Box3& bone);
 
-/// One way of the teeth down into the bone. Coordinates of SawPlane: u across, v along the approach, mm.
+/// One path of the teeth down into the bone. Coordinates of SawPlane: u across, v along the approach, mm.
 struct SawPass {
   double u = 0;             ///< of the blade's front
-  double from = 0, to = 0;  ///< v of the front: just above the bone, and where it stops
+  double from = 0, to = 0;  ///< v of the front: just above the bone, and at its end
 };
 
-/// The passes that saw a plane, beside each other. Columns without bone have none. Empty: there is nothing to saw.
+/// The adjacent passes that saw a plane. Columns without bone have none. Empty: no bone to saw.
 std::vector<SawPass> passesOf(const SawPlane& plane, const BrickField& bone, const SawBlade& blade, bool is_turned);
 
-/// Which part of the bone in a plane the blade has been through, cell by cell.
+/// Sawn part of the bone in a plane, cell by cell.
 class SawnSection {
  public:
   static constexpr double kCell = 0.25;  ///< mm
 
   SawnSection(const SawPlane& plane, const BrickField& bone, const Tool& tool, const SawBlade& blade);
 
-  /// The tool was there. Poses a few tenths of a mm apart leave no cell out.   @cost  some 10 µs.
+  /// Marks a pose of the tool. Poses a few tenths of a mm apart leave no cell out.   @cost  some 10 µs.
   void mark(const Rigid3& T_world_tool);
-  /// Sawn, of the bone in the rectangle, 0 to 1; 1 where there is none.
+  /// Sawn share of the bone in the rectangle, 0 to 1; 1 without bone.
   double share() const;
-  /// Of the bone in the rectangle. Cells at its edges count in part: whole ones would be 7 % too many for 5 x 4 mm.
+  /// Bone in the rectangle. Edge cells count in part: whole ones would be 7 % too many for 5 x 4 mm.
   double plannedMm2() const { return kCell * kCell * area_; }
   /// Bone sawn in the plane, but outside the rectangle.
   double beyondMm2() const { return kCell * kCell * static_cast<double>(beyond_); }
@@ -65,7 +65,7 @@ class SawnSection {
   SawPlane plane_;
   SawBlade blade_;
   std::shared_ptr<const ToolShape> teeth_;
-  double height_ = 0;  // of what cuts, along the approach
+  double height_ = 0;  // of the cutting part, along the approach
   std::vector<Cell> cells_;
   std::size_t planned_ = 0, sawn_ = 0, beyond_ = 0;
   double area_ = 0;  // planned, in cells

@@ -13,15 +13,15 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kSawDegree = std::numbers::pi / 180;
-constexpr double kAboveCut = 0.3;       // mm before what the teeth meet first
+constexpr double kAboveCut = 0.3;       // mm before the first contact of the teeth
 constexpr double kLift = 2;             // mm above the bone, between passes
-constexpr double kMostLift = 20;        // mm, where something else is in the blade's way
+constexpr double kMostLift = 20;        // mm, to clear an obstacle
 constexpr double kAsideIsTold = 0.15;   // mm
-constexpr double kMarkEvery = 0.2;      // mm of the tool's way
-constexpr double kBesidePlane = 8;      // mm: farther from the plane a guided blade is not put down
+constexpr double kMarkEvery = 0.2;      // mm of tool travel
+constexpr double kBesidePlane = 8;      // mm: greatest distance of a guided blade from the plane when put down
 constexpr double kBesideEdge = 3;       // mm
-constexpr double kFromAbove = 30;       // mm above the rectangle, where a guided blade looks for the surface
-constexpr int kAlongLine = 21;          // places of a line at which the surface is looked for
+constexpr double kFromAbove = 30;       // mm above the rectangle: start of the surface search for a guided blade
+constexpr int kAlongLine = 21;          // surface samples along a line
 constexpr double kBodyTolerance = 0.1;  // mm, of the blade as a mesh
 constexpr std::uint64_t kClearEvery = 200, kBeginsWithin = 5000;  // ticks
 constexpr auto kSaveAfter = std::chrono::seconds(1);
@@ -30,18 +30,18 @@ tl::unexpected<Error> refuse(Error::Code code, std::string found, std::string ex
   return fail({.code = code, .found = std::move(found), .expected = std::move(expected), .hint = std::move(hint)});
 }
 
-// Of two rays of one view, the one between them; part 0 is the first.
+// The ray between two rays of one view; part 0 is the first.
 Ray rayBetween(const Ray& from, const Ray& to, double part) {
   const Vec3d apart = to.origin - from.origin, origin = from.origin + part * apart;
   const double cosine = from.direction.dot(to.direction), sine2 = 1 - cosine * cosine;
   if (sine2 < 1e-18) return {origin, from.direction};
 
-  // In perspective all come from the eye: where the two lines meet.
+  // In perspective all rays come from the eye, where the two lines meet.
   const double back = (apart.dot(from.direction) - cosine * apart.dot(to.direction)) / sine2;
   return {origin, (origin - from.at(back)).normalized()};
 }
 
-// From a height above a pass down to it: where the teeth meet something first, v; just before it.
+// v just before the first contact of the teeth on the way down from `above` to the pass.
 double firstTissue(const SawPlane& plane, const SawBlade& blade, const BrickField& bone, const SawPass& pass,
                    double above) {
   constexpr double kStep = 0.2;  // mm
@@ -76,7 +76,7 @@ bool Sawing::isMoved() const {
   return std::any_of(shown.begin(), shown.end(), [](const SceneObject* piece) { return piece->isMoved(); });
 }
 
-// A plan is of the object as it was loaded: where a piece was moved to, it would saw air.
+// A plan applies to the object as loaded: at a moved piece it would saw air.
 Expected<void> Sawing::requireUnmoved() const {
   if (!isMoved()) return {};
   return refuse(Error::Code::kUnsupported, "a piece was moved", "all pieces where they were in the scan",
@@ -117,7 +117,7 @@ Expected<void> Sawing::addThrough(const std::array<Ray, 3>& rays) {
 
 Expected<void> Sawing::addAlongLine(const Ray& from, const Ray& to) {
   KERF_CHECK(requireOpen());
-  // The surface under the line, as near to its middle as it is found.
+  // The surface under the line, nearest to its middle.
   std::optional<SurfaceHit> nearest;
   double best = 1;
   for (int n = 0; n < kAlongLine; ++n) {
@@ -152,7 +152,7 @@ Expected<void> Sawing::addFromView(const Ray& at, const Vec3d& right) {
 
 Expected<void> Sawing::addAlongFace(const Ray& at, double below_mm) {
   KERF_CHECK(hit(at));
-  // The mean normal around the point, as a tool would stand there.
+  // The mean normal around the point, as a tool stands there.
   const auto over = toolOver(bench_.scene(), *bench_.run()->original(), at, Plunge{});
   const Vec3d normal = over ? over->normal : Vec3d(-at.direction);
   KERF_TRY(under, hit(at));
@@ -208,7 +208,7 @@ std::optional<SawClearance> Sawing::clearance() {
 Expected<void> Sawing::fit() {
   KERF_TRY(plane, chosen());
   KERF_CHECK(requireOpen());
-  // From a point within the rectangle: its entering side lies outside the bone.
+  // From a point within the rectangle, whose entering side lies outside the bone.
   plane.point = plane.fromPlane(0, 0.5 * std::min(plane.depth, 6.0));
   KERF_TRY(fitted, fitToBone(plane, *bench_.run()->original(), blade(), {.keeps_approach = true}));
   plan_.replaceChosen(fitted);
@@ -231,7 +231,7 @@ std::string Sawing::sawsOfTheRack() const {
   return out;
 }
 
-// In air, as low above the first pass as there is room for the whole blade.
+// In air, as low above the first pass as the whole blade has room.
 Expected<Rigid3> Sawing::startAbove(const SawPlane& plane, const SawBlade& blade, double u, double v,
                                     bool is_turned) const {
   const BrickField& bone = *bench_.run()->original();
@@ -279,7 +279,7 @@ Expected<void> Sawing::cut(double force_n) {
   KERF_TRY(start, startAbove(plane, *blade, passes.front().u, highest->from, is_turned));
   const double above = plane.toPlane(start * blade->front)[1];
 
-  // What stands between there and the plane, such as a crown above the jaw, is sawn, too.
+  // Also saws obstacles between there and the plane, such as a crown above the jaw.
   for (SawPass& pass : passes) pass.from = std::min(pass.from, firstTissue(plane, *blade, bone, pass, above));
 
   GuidedCut order;
@@ -331,7 +331,7 @@ void Sawing::stop() {
   bench_.guided_->order(cutting_->order);
 }
 
-// Not at once: tissue would come back around a blade that is still in it.
+// Undo waits: tissue would come back around a blade that is still in it.
 void Sawing::stopAndUndo() {
   stop();
   if (cutting_) cutting_->is_undone_after = true;
@@ -350,7 +350,7 @@ std::optional<SawingStatus> Sawing::status() const {
   return out;
 }
 
-// Of the cut under way.
+// Volume of the planned section in the present cut.
 double Sawing::plannedMm3() const { return cutting_->section.plannedMm2() * cutting_->kerf; }
 double Sawing::removedMm3() const { return bench_.removedMm3() - cutting_->removed_before; }
 
@@ -393,7 +393,7 @@ void Sawing::update() {
   if (!c.is_begun) c.last = now.output.T_world_tool;
   c.is_begun = true;
 
-  // A mouse is no arm that could be struck: after a late clock it goes on.
+  // A mouse cannot be jerked like an arm: after a late clock it continues.
   if (now.is_latched && now.tick > c.cleared + kClearEvery) {
     bench_.send(ClearLatch{});
     c.cleared = now.tick;
@@ -490,7 +490,7 @@ void Sawing::closing() {
   saved_ = plan_.version();
 }
 
-// A second after the last change: a stepper that is held makes one file.
+// A second after the last change, so that a held stepper makes one file.
 void Sawing::saveSoon() {
   const auto now = std::chrono::steady_clock::now();
   if (plan_.version() != seen_) {

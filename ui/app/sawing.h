@@ -1,6 +1,6 @@
-// Sawing by plan: the planes of what is open, planned cuts through the 1 kHz thread, the guide for sawing by mouse.
+// Sawing by plan: the planes of the open object, planned cuts through the 1 kHz thread, the guide for sawing by mouse.
 //
-// Owned by the Workbench, and on its thread. Errors say what to do; what is over is said as a notice.
+// The Workbench owns it, on its thread. Errors name a remedy. A notice reports the end of a cut.
 #pragma once
 
 #include <array>
@@ -25,91 +25,91 @@ class Workbench;
 /// File of a session's plan, beside the run's manifest.
 inline constexpr const char* kSawPlanFile = "saw-plan.toml";
 
-/// A planned cut that is under way.
+/// Progress of a planned cut.
 struct SawingStatus {
   std::string plane;
-  double share = 0;              ///< sawn of the planned section, 0 to 1
+  double share = 0;              ///< sawn part of the planned section, 0 to 1
   double planned_mm3 = 0;        ///< the planned section times the blade's kerf
   double removed_mm3 = 0;        ///< since it began
-  double seconds = 0;            ///< of the simulation, since it began
-  std::optional<double> left_s;  ///< by its pace so far
-  bool is_stopping = false;      ///< broken off, the blade is on its way out
+  double seconds = 0;            ///< simulated, since it began
+  std::optional<double> left_s;  ///< estimated from the pace so far
+  bool is_stopping = false;      ///< stopped early: the blade is on its way out
 };
 
 class Sawing {
  public:
   static constexpr double kLeastForce = 0.5, kMostForce = 8;  ///< N
-  static constexpr double kUsualForce = 5;                    ///< N: of the 2 to 8 that saws in bone are pushed with
-  static constexpr double kFeed = 1;                          ///< mm/s in bone: 60 mm/min, the fastest that is advised
+  static constexpr double kUsualForce = 5;                    ///< N: usual for saws in bone are 2 to 8
+  static constexpr double kFeed = 1;                          ///< mm/s in bone: 60 mm/min, the fastest advised
 
   explicit Sawing(Workbench& bench) : bench_(bench) {}
 
   double force = kUsualForce;  ///< N, of a planned cut
-  SawPicking picking;          ///< what a person is pointing out
+  SawPicking picking;          ///< points picked by the user
 
-  // ---- Planes. Each new one is bounded to the bone and the blade, and chosen.
+  // ---- Planes. Each new plane is bounded to the bone and the blade, and chosen.
 
   SawPlan& plan() { return plan_; }
   const SawPlan& plan() const { return plan_; }
-  /// The saw in hand; without one the first of the rack; without any a typical one.
+  /// The saw in hand; else the first of the rack; else a typical one.
   SawBlade blade() const;
 
-  /// What of the surface, as it is now, a ray points at. Error kEmpty: nothing.
+  /// Hit of a ray on the surface as it is now. Error kEmpty: no hit.
   Expected<SurfaceHit> hit(const Ray& ray) const;
-  /// Through what three rays point at.
+  /// Through the hits of three rays.
   Expected<void> addThrough(const std::array<Ray, 3>& rays);
   /// Through a line drawn in the view, along the view. Rays of one parallel projection.
   Expected<void> addAlongLine(const Ray& from, const Ray& to);
-  /// Through what a ray points at, along the view, upright in it.   @param right  of the view, unit.
+  /// Through the hit of a ray, along the view, upright in it.   @param right  of the view, unit.
   Expected<void> addFromView(const Ray& at, const Vec3d& right);
-  /// Parallel to the surface that a ray points at, `below_mm` under it.
+  /// Parallel to the surface at the hit of a ray, `below_mm` under it.
   Expected<void> addAlongFace(const Ray& at, double below_mm);
-  /// Through a point, square to a normal.
+  /// Through a point, perpendicular to a normal.
   Expected<void> addAt(const Vec3d& point, const Vec3d& normal);
 
-  /// Steps of the chosen plane. Error kEmpty: none is chosen.
+  /// Moves the chosen plane. Error kEmpty: none is chosen.
   Expected<void> move(double mm);
   Expected<void> turn(double about_approach_deg, double about_across_deg);
   Expected<void> turnApproach(double deg);
   Expected<void> resize(std::optional<double> width_mm, std::optional<double> depth_mm);
-  /// What the chosen plane leaves to pulp and nerve canal with the blade in hand. None: no plane, or nothing to keep.
+  /// Distance of the chosen plane to pulp and nerve canal with the blade in hand. None: no plane, or no structures.
   std::optional<SawClearance> clearance();
-  /// Bounds the chosen plane to bone and blade anew.
+  /// Bounds the chosen plane to bone and blade again.
   Expected<void> fit();
-  /// A file, or a session's folder.
+  /// @param file  or a session's folder.
   Expected<void> save(const std::filesystem::path& file) const;
   Expected<void> load(const std::filesystem::path& file);
 
   // ---- Sawing a plane
 
-  /// Saws the chosen plane now, in real time: the tool in hand is placed above the bone and led along its passes.
+  /// Saws the chosen plane now, in real time: places the tool in hand above the bone and leads it along its passes.
   /// Errors: kEmpty without a plane or without bone in it; kUnsupported if the tool is no saw, a piece was moved, or
-  /// something else is under way; kGeometry if the blade finds no room above the bone.
+  /// another cut or undo is under way; kGeometry if the blade has no room above the bone.
   Expected<void> cut(double force_n);
-  /// Breaks it off: the blade is drawn out, what was sawn stays, as one stroke.
+  /// Stops the cut early: draws the blade out. The sawn part stays, as one stroke.
   void stop();
   bool isCutting() const { return cutting_.has_value(); }
   std::optional<SawingStatus> status() const;
-  /// Of the planned section, by the last planned cut, 0 to 1; 0: there was none.
+  /// Sawn part of the planned section in the last planned cut, 0 to 1; 0: no cut.
   double lastShare() const { return last_share_; }
-  /// Takes its news. Once a frame.
+  /// Takes the reports of the cut. Once a frame.
   void update();
 
   // ---- The guide
 
-  bool guide = false;  ///< by mouse the blade stays in the chosen plane
-  /// It is on, a plane is chosen, a saw in hand, and no piece is moved.
+  bool guide = false;  ///< keeps the blade in the chosen plane, by mouse
+  /// The guide is on, a plane is chosen, a saw is in hand, and no piece has moved.
   bool isGuiding() const;
-  /// Where a guided blade would stand: on the surface as it is now, below what the ray points at, its front in the
-  /// plane. None: nothing is there, or too far beside the plane.
+  /// Pose of a guided blade: on the surface as it is now, below the hit of the ray, its front in the plane. None: no
+  /// hit, or too far beside the plane.
   std::optional<ToolOverSurface> over(const Ray& ray) const;
-  /// From the tip of a guided tool to its front, square to the approach, world, mm.
+  /// From the tip of a guided tool to its front, perpendicular to the approach, world, mm.
   Vec3d tipToFront() const;
 
   // ---- For the Workbench
 
-  void opened();  ///< something else was opened: no planes
-  /// As stop(), and takes it back when the blade is out.
+  void opened();  ///< another document was opened: no planes
+  /// As stop(), and undoes the cut once the blade is out.
   void stopAndUndo();
   void closing();  ///< writes the plan to the session's folder
 
@@ -122,7 +122,7 @@ class Sawing {
     double kerf = 0;                       // mm
     double removed_before = 0;             // mm^3
     Rigid3 last;                           // of the tool
-    double aside = 0;                      // of the blade beside its plane, at most, mm
+    double aside = 0;                      // greatest distance of the blade from its plane, mm
     std::uint64_t began = 0, cleared = 0;  // ticks
     bool is_begun = false, is_undone_after = false;
   };

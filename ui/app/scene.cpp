@@ -18,7 +18,7 @@ namespace {
 
 std::string inBrackets(const Vec3d& p) { return fmt::format("({:.2f}, {:.2f}, {:.2f})", p[0], p[1], p[2]); }
 
-// The plane that is meant, and a note if it takes nothing away.
+// The requested plane, and a note if it removes nothing.
 Expected<Plane> placed(const SectionPlane& cut, const PostOpMesh& shown, const std::string& file, std::string& note) {
   using Through = SectionPlane::Through;
   const Mesh& mesh = shown.mesh;
@@ -79,7 +79,7 @@ Expected<Mesh> cutOpen(const std::filesystem::path& path, const std::filesystem:
     }
   }
 
-  // The two may have different voxels: a run within the case's fine region was cut on its own.
+  // The two may differ in voxels: a run within the case's fine region was cut separately.
   const auto distance = [&](const Vec3d& p) {
     return has_sweep ? std::max(phi.sample(p), -sweep.sample(p)) : current.sample(p);
   };
@@ -87,7 +87,7 @@ Expected<Mesh> cutOpen(const std::filesystem::path& path, const std::filesystem:
   return section(shown.mesh, distance, voxel, materials, table, plane);
 }
 
-// What a case or a run looks like: coloured by material where there are several, cut open if asked.
+// Scene of a case or a run: coloured by material where there are several, cut open on request.
 Expected<Scene> sceneOfBundle(const std::filesystem::path& path, const std::optional<SectionPlane>& cut) {
   Scene scene;
   const bool is_run = isRun(path);

@@ -1,4 +1,4 @@
-// The result of a session that has ended, in the window's language and for scripts.
+// The result of an ended session, in the window's language and for scripts.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -9,9 +9,9 @@
 
 namespace kerf {
 
-/// Lines: time and removed volumes, force, distances to what is kept, temperature; without what is not known.
+/// Lines: time and removed volumes, force, distances to protected structures, temperature; omits unknown values.
 std::string resultText(const RunReport& report, const MaterialTable& materials);
-/// The same in numbers, units in the keys.
+/// The same as numbers, units in the keys.
 nlohmann::json resultJson(const RunReport& report);
 
 }  // namespace kerf

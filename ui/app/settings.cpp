@@ -33,7 +33,7 @@ std::string joined(const std::vector<std::string>& words) {
   return out;
 }
 
-// Each once.
+// Drops duplicates.
 std::vector<std::string> wordsOf(const std::string& text) {
   std::vector<std::string> out;
   std::istringstream words(text);
@@ -42,7 +42,7 @@ std::vector<std::string> wordsOf(const std::string& text) {
   return out;
 }
 
-// The table of keys: what each reads as and is written as.
+// The table of keys: how to read and write each.
 struct Key {
   const char* name;
   std::string (*text)(const Settings&);
@@ -113,7 +113,7 @@ void readSpaceMouse(TomlTable& table, SpaceMouseSettings& out) {
     table.reject("space_mouse_inverted", "\"" + names + "\"", inverted.error().expected);
 }
 
-// Keys that it does not know are another Kerf's: they are left alone.
+// Keeps unknown keys: another Kerf version may use them.
 Expected<Settings> readSettings(const fs::path& path) {
   KERF_TRY(root, parseToml(path));
   TomlTable table(root, path, "settings");
@@ -162,7 +162,7 @@ bool isLineOf(const std::string& line, const std::string& key) {
   return next != line.npos && line[next] == '=';
 }
 
-// Our keys stand before the first table; a value of ours is never more than a line.
+// Kerf's keys come before the first table. A value is one line.
 void setLine(std::vector<std::string>& lines, const std::string& key, const std::string& value) {
   const std::string line = key + " = " + value;
   std::size_t n = 0;
@@ -227,7 +227,7 @@ SettingsFile::SettingsFile(fs::path folder)
 Expected<void> SettingsFile::save() {
   if (error_) return fail(*error_);
   if (values == written_) return {};
-  // Somebody may have edited it since.
+  // The user may have edited it since.
   if (settingsAreThere(path_))
     if (const auto now = readSettings(path_); !now) return fail(now.error());
 

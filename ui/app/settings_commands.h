@@ -1,4 +1,4 @@
-// Commands that change what a user has set; each is kept at once.
+// Commands that change user settings. Each is saved at once.
 #pragma once
 
 #include "geometry/base/error.h"

@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// xdg-open may stay for as long as the file manager does: one that has not failed by then has shown it.
+// xdg-open may run as long as the file manager: without failure by then it counts as shown.
 constexpr auto kLongest = std::chrono::seconds(3);
 
 bool isUnreserved(char c) {
@@ -41,7 +41,7 @@ std::string uriOf(const fs::path& file) {
   return out;
 }
 
-// The commas of an array divide its elements: in an URI there are none. A reply tells whether there is a file manager.
+// Commas divide the elements of an array: a URI has none. A reply shows that there is a file manager.
 std::vector<std::string> showItemsCommand(std::span<const fs::path> files) {
   std::string uris;
   for (const fs::path& file : files) uris += (uris.empty() ? "" : ",") + uriOf(file);

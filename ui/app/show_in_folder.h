@@ -1,7 +1,6 @@
-// Shows written files in the file manager of the desktop: by D-Bus, which also marks them, else their folder by
-// xdg-open.
+// Shows written files in the desktop's file manager: by D-Bus, which also selects them, else their folder by xdg-open.
 //
-// Both are programs on the PATH; nothing here waits for them. The file manager stays when the window ends.
+// Both are programs on the PATH; Kerf does not wait for them. The file manager stays when the window ends.
 #pragma once
 
 #include <sys/types.h>
@@ -17,15 +16,15 @@
 
 namespace kerf {
 
-/// One thread, the window's.
+/// Window thread only.
 class ShowInFolder {
  public:
-  /// Begins. What was under way is forgotten.   @param files  in one folder; at least one.
-  /// Error kUnsupported: there is neither dbus-send nor xdg-open; it names the folder.
+  /// Begins, and drops an earlier request.   @param files  in one folder; at least one.
+  /// Error kUnsupported: neither dbus-send nor xdg-open exists; it names the folder.
   Expected<void> begin(std::vector<std::filesystem::path> files);
-  /// Nobody knows yet whether it is shown.
+  /// The request is still running.
   bool isUnderWay() const { return child_ > 0; }
-  /// Once a frame: how it ended, once; none: it is under way, or nothing was begun.   @cost  microseconds.
+  /// Once a frame: returns the outcome once. None: still running, or no request.   @cost  microseconds.
   /// Error kUnsupported: neither program could show it, with the folder to look in.
   std::optional<Expected<void>> poll();
 
@@ -39,7 +38,7 @@ class ShowInFolder {
   std::chrono::steady_clock::time_point began_;
 };
 
-/// "file:///scans/tooth%2036.stl": RFC 3986, all but unreserved letters and the slash escaped.
+/// "file:///scans/tooth%2036.stl": RFC 3986, escapes all but unreserved letters and the slash.
 std::string uriOf(const std::filesystem::path& file);
 /// The words of the call org.freedesktop.FileManager1.ShowItems.
 std::vector<std::string> showItemsCommand(std::span<const std::filesystem::path> files);

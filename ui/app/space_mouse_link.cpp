@@ -21,7 +21,7 @@ struct SpaceMouseLink::State {
   explicit State(std::string wanted) : watch(std::move(wanted)) {}
   DeviceWatch watch;
   std::shared_ptr<HidDevice> device;
-  std::string name, trouble;  // when they were last told of
+  std::string name, trouble;  // as last reported
 };
 
 SpaceMouseLink::SpaceMouseLink(std::string name) : state_(std::make_unique<State>(std::move(name))) {}

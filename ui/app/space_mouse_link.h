@@ -1,4 +1,4 @@
-// The SpaceMouse of the window: looked for while the program runs, opened, and found again when it was unplugged.
+// The SpaceMouse of the window: found while the program runs, opened, and reopened after it was unplugged.
 #pragma once
 
 #include <memory>
@@ -10,13 +10,13 @@
 
 namespace kerf {
 
-/// Whether a driver of SpaceMouse devices knows these ids of USB.
+/// True if a driver of SpaceMouse devices knows these USB ids.
 bool isSpaceMouse(std::uint16_t vendor, std::uint16_t product);
 
-/// One thread, the window's. A thread of its own lists devices once a second as long as there is none.
+/// Window thread only. A background thread lists devices once a second while there is none.
 class SpaceMouseLink {
  public:
-  /// @param name  path or serial number; empty: the only one. Several without a name: none, and news() says so.
+  /// @param name  path or serial number; empty: the only device. Several without a name: none, reported by news().
   explicit SpaceMouseLink(std::string name = {});
   ~SpaceMouseLink();
   SpaceMouseLink(const SpaceMouseLink&) = delete;
@@ -24,13 +24,13 @@ class SpaceMouseLink {
 
   /// Its newest state; none: no device is open.
   std::optional<SpaceMouseState> read();
-  /// What has changed since the last call, a sentence for a notice: it was found, is gone, or may not be opened.
+  /// Change since the last call, as a notice: found, gone, or no permission to open.
   std::optional<std::string> news();
-  /// Of the one that was read last; empty: there is none.
+  /// Name of the device last read; empty: none.
   std::string name() const;
-  /// What it has told of its battery, if it has one.
+  /// Its reported battery state, if it has one.
   std::optional<Battery> battery() const;
-  /// What is wrong with one that is there but does not open; empty: nothing.
+  /// Error of a device that is present but does not open; empty: none.
   std::string trouble() const;
 
  private:

@@ -7,13 +7,13 @@
 namespace kerf {
 namespace {
 
-constexpr double kAbove = 0.3;      // mm over the surface as loaded, where a stroke starts
+constexpr double kAbove = 0.3;      // mm over the surface as loaded: start of a stroke
 constexpr double kLongestLift = 8;  // mm
-constexpr double kFar = 400;        // mm: a ray looks no farther
-constexpr double kOut = 6;          // mm: cuts are no deeper than that below the surface as loaded
-constexpr double kWide = 0.6;       // mm: a thin tool stands on no less of the surface
+constexpr double kFar = 400;        // mm: reach of a ray
+constexpr double kOut = 6;          // mm: greatest depth of cuts below the surface as loaded
+constexpr double kWide = 0.6;       // mm: least radius of the surface under a thin tool
 
-// From outside along the axis to the surface as loaded; without one there, the point itself.
+// From outside along the axis to the surface as loaded. Without a surface there: the point itself.
 Vec3d onLoaded(const BrickField& loaded, const Vec3d& point, const Vec3d& axis) {
   const Ray down{point + kOut * axis, -axis};
   const auto way = entry(loaded, down, 0, 2 * kOut);
@@ -29,7 +29,7 @@ Vec3d gradientOf(const BrickField& field, const Vec3d& p) {
   return out;
 }
 
-// Mean normal of the surface as loaded about a point of it: at the point, and on a ring of that radius about it.
+// Mean normal of the surface as loaded, at the point and on a ring of that radius around it.
 Vec3d meanNormal(const BrickField& loaded, const Vec3d& point, double radius, const Vec3d& towards) {
   constexpr int kOnRing = 8;
   const Vec3d first = gradientOf(loaded, point);
@@ -77,7 +77,7 @@ Plunge plungeOf(const Tool& tool) {
   Plunge out{tool.plunge_direction, 0, 0.5 * tool.head_diameter_mm};
   const Box3 box = tool.cut->bounds();
   for (int n = 0; n < 8; ++n) out.reach = std::max(out.reach, box.corner(n).dot(out.direction));
-  if (out.reach > out.radius - 1e-6) out.radius = kWide;  // it cuts with its rim, a disc
+  if (out.reach > out.radius - 1e-6) out.radius = kWide;  // a disc cuts with its rim
   return out;
 }
 
@@ -94,7 +94,7 @@ std::optional<ToolOverSurface> toolOver(const LiveScene& scene, const BrickField
   const Ray local = inFrame(pose, ray);
   const Vec3d point = local.at(hit->on_surface.way);
 
-  // On the surface as loaded: the walls of a cut do not turn the tool.
+  // On the surface as loaded, so that the walls of a cut do not turn the tool.
   const auto way =
       entry(loaded, local, std::max(hit->on_surface.way - 2 * kOut, 0.0), hit->on_surface.way + loaded.voxel());
   const Vec3d normal =

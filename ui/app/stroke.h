@@ -1,8 +1,8 @@
-// One stroke by mouse: from rays under the cursor to what MouseHand is asked for.
+// One stroke by mouse: converts cursor rays to aims of MouseHand.
 //
-// Where the button goes down the stroke is anchored: to a point of the surface as loaded, and to an axis, the mean
-// normal around the point. From then on the cursor moves over the surface as loaded, never over what was just cut: a
-// held button does not tunnel towards the eye. Beside the object it moves in the plane through the anchor.
+// The button press anchors the stroke to a point of the surface as loaded, and to an axis: the mean normal around the
+// point. The cursor then moves over the surface as loaded, never over the fresh cut, so a held button does not tunnel
+// towards the eye. Beside the object it moves in the plane through the anchor.
 #pragma once
 
 #include <optional>
@@ -15,56 +15,55 @@
 
 namespace kerf {
 
-/// A tool that hovers or is about to cut: where, and how deep below the surface as loaded.
+/// Pose of a tool that hovers or is about to cut, and its depth below the surface as loaded.
 struct ToolOverSurface {
   std::uint32_t object = 0;       ///< CutObject::id
-  Rigid3 T_world_object;          ///< of that
-  Rigid3 T_world_tool;            ///< what of it goes first is on the surface as it is now
-  Vec3d point = Vec3d::Zero();    ///< there, mm
+  Rigid3 T_world_object;          ///< of that object
+  Rigid3 T_world_tool;            ///< its leading point is on the surface as it is now
+  Vec3d point = Vec3d::Zero();    ///< leading point, mm
   Vec3d normal = Vec3d::UnitZ();  ///< unit, outward: the tool plunges against it
   double depth = 0;               ///< of the point below the surface as loaded, along the normal, mm
-  double reach = 0;               ///< from the tip against the normal to what goes first, mm
-  Vec3d front = Vec3d::Zero();  ///< from the tip to what touches, square to the normal, mm: of a blade in a guide, and
-                                ///< of a tilted tool
-  Vec3d slant = Vec3d::Zero();  ///< of a tilted tool: MouseAim::slant
+  double reach = 0;               ///< from the tip against the normal to the leading point, mm
+  Vec3d front = Vec3d::Zero();    ///< from the tip to the contact, square to the normal, mm: of a guided blade and of a
+                                  ///< tilted tool
+  Vec3d slant = Vec3d::Zero();    ///< of a tilted tool: MouseAim::slant
 };
 
-/// How a tool goes into tissue, tool frame.
+/// Direction and extent of a plunge, tool frame.
 struct Plunge {
   Vec3d direction = -Vec3d::UnitZ();  ///< unit: Tool::plunge_direction
-  double reach = 0;                   ///< from the tip along it to what goes first, mm
-  double radius = 0.5;                ///< of the surface on which it stands, mm
+  double reach = 0;                   ///< from the tip along it to the leading point, mm
+  double radius = 0.5;                ///< of the supporting surface, mm
 };
 Plunge plungeOf(const Tool& tool);
 
-/// What a ray points at. None: nothing, or what stands beside.   @param loaded  the surface as loaded, in the frame of
-/// every piece of it.
+/// The tool at the surface hit by a ray. None: no hit, or a neighbour.   @param loaded  the surface as loaded, in the
+/// frame of every piece of it.
 std::optional<ToolOverSurface> toolOver(const LiveScene& scene, const BrickField& loaded, const Ray& ray,
                                         const Plunge& plunge);
 
-/// A tool's attitude in which it plunges against `axis` (unit, out of the tissue), turned least from upright.
+/// Attitude of a tool that plunges against `axis` (unit, out of the tissue), with the least turn from upright.
 Eigen::Quaterniond attitudeAlong(const Plunge& plunge, const Vec3d& axis);
 
-/// How far a point is below a surface, mm: back along `axis` (unit, out of the tissue) to the first air. Negative in
-/// air: against the axis to the surface. None: there is none within 60 mm, in air within 12.   @cost  some µs.
+/// Depth of a point below a surface, mm: back along `axis` (unit, out of the tissue) to the first air. Negative in air:
+/// against the axis to the surface. None: no surface within 60 mm, in air within 12.   @cost  some µs.
 std::optional<double> depthBelow(const BrickField& loaded, const Vec3d& point, const Vec3d& axis);
 
 class Stroke {
  public:
-  /// @param loaded  the surface as loaded; kept by reference.   @param head  of the tool, tool frame: where it starts
-  /// it
-  ///   touches nothing that was loaded, as far as these vertices say.
+  /// @param loaded  the surface as loaded; kept by reference.
+  /// @param head  of the tool, tool frame: at the start its vertices touch nothing of the surface as loaded.
   Stroke(const BrickField& loaded, const ToolOverSurface& at, const Mesh& head);
 
-  /// Of the tool, before the stroke: above the anchor, in air.
+  /// Pose of the tool before the stroke: above the anchor, in air.
   const Rigid3& start() const { return start_; }
-  /// What the hand is asked for when the button has gone down there; what a slider sets is left as it is.
+  /// Sets the aim of the hand at the press. Keeps the values set by sliders.
   void begin(MouseAim& aim) const;
   const Vec3d& anchor() const { return anchor_; }
   const Vec3d& axis() const { return axis_; }  ///< out of the tissue, unit: the normal, also of a tilted tool
-  /// Where what touches is to go when the cursor points along this ray: world, mm.
+  /// Target of the contact point for a cursor ray: world, mm.
   Vec3d pointerOf(const Ray& ray) const;
-  /// How deep the tool with its tip there is below the surface as loaded, along the axis, mm; negative in air.
+  /// Depth of a tool with this tip below the surface as loaded, along the axis, mm; negative in air.
   double depthOf(const Vec3d& tip) const;
 
  private:

@@ -1,8 +1,8 @@
-// Where a mouse points the tool, and what its moves mean while a key is held.
+// Mouse pointing of the tool, and the effect of mouse moves while a key is held.
 //
-//   hovering        the tool is where the cursor is; with Alt it stays, and the moves tilt it
-//   during a stroke the tool is dragged by what the cursor moves, from where the stroke began; with Ctrl it goes along
-//                   its axis instead, up is out and down is in
+//   hovering        the tool is at the cursor; with Alt it stays, and mouse moves tilt it
+//   during a stroke the cursor's moves drag the tool from the start of the stroke; with Ctrl the tool goes along its
+//                   axis instead, up is out and down is in
 //   on the pedal    the mouse leads nothing; arrows nudge the stroke
 //
 // No window: pixels of the picture in, calls of the workbench out.
@@ -15,7 +15,7 @@
 
 namespace kerf {
 
-/// Keys that are held while the mouse moves.
+/// Keys held while the mouse moves.
 struct HeldKeys {
   bool alt = false, ctrl = false, shift = false;
 };
@@ -25,28 +25,28 @@ class StrokePointer {
   static constexpr double kDoubleTap = 0.4;     ///< s between two taps on Alt that set the tool upright
   static constexpr double kAlongAPixel = 0.01;  ///< mm
 
-  /// The pixel that the tool is pointed at.
+  /// The pixel of the tool.
   const Pixel& at() const { return at_; }
-  /// The cursor is there now.
+  /// Follows the cursor.
   void move(AppContext& context, const Pixel& cursor, const HeldKeys& held);
-  /// The button went down.   @return  false: there is nothing there to cut.
+  /// Handles the button press.   @return  false: nothing to cut there.
   bool press(AppContext& context, const Pixel& cursor);
-  /// The button went up: the stroke ends, unless a pedal holds it.
+  /// Handles the button release: ends the stroke, unless a pedal holds it.
   void release(AppContext& context);
   /// One step of a key: 0.1 mm, with Ctrl 0.01, with Shift 1.   @param direction  right, up, in.
   void nudge(AppContext& context, const Vec3d& direction, const HeldKeys& held);
-  /// A stick leads the tool to the right and up in the picture, before and during a stroke, mm.
+  /// A stick leads the tool right and up in the picture, before and during a stroke, mm.
   void lead(AppContext& context, const Eigen::Vector2d& mm);
-  /// A trigger was pulled: a stroke begins where the tool is.   @return  false: there is nothing there to cut.
+  /// Handles a trigger: begins a stroke at the tool.   @return  false: nothing to cut there.
   bool pressThere(AppContext& context);
-  /// The camera moved during a stroke: the tool stays where it is.
+  /// Keeps the tool in place when the camera moves during a stroke.
   void viewHasTurned(const AppContext& context);
-  /// Alt went down.   @param now  s, of any clock.
+  /// Handles a press of Alt.   @param now  s, of any clock.
   void tapAlt(AppContext& context, double now);
 
  private:
   Pixel at_ = Pixel::Zero(), cursor_ = Pixel::Zero();
-  std::optional<double> tapped_;  // when Alt last went down; none: it has tilted since
+  std::optional<double> tapped_;  // last press of Alt; none: it has tilted since
 };
 
 }  // namespace kerf

@@ -26,7 +26,7 @@ using What = FileQuestion::What;
 
 constexpr int kCancelled = 1;  // exit code of both programs
 
-// "*.stl *.STL ...": scanners write both. Files of a CT and recipes among them.
+// "*.stl *.STL ...": scanners write both. Includes files of a CT and recipes.
 std::string patterns() {
   std::string all = ".toml .nrrd .nii .nii.gz .mha .mhd";
   for (const MeshFormatRow& row : meshFormats())
@@ -42,7 +42,7 @@ std::string patterns() {
   return out;
 }
 
-// With a slash at its end: a folder to begin in, not a file to choose.
+// With a trailing slash: a start folder, not a file to choose.
 std::string beginningOf(const FileQuestion& question) {
   std::error_code gone;
   const fs::path folder = question.folder.empty() ? fs::current_path(gone) : question.folder;
@@ -90,7 +90,7 @@ std::vector<std::string> kdialogCommand(const FileQuestion& question) {
   return out;
 }
 
-/// A case is its folder, not the manifest in it.
+/// Maps the manifest of a case to its folder.
 fs::path meantBy(const fs::path& chosen) {
   const fs::path folder = chosen.parent_path();
   const bool is_manifest =
@@ -165,7 +165,7 @@ std::optional<Expected<FileAnswer>> SystemDialog::poll() {
   takeText();
   const std::optional<int> status = endOf(child_);
   if (!status) return {};
-  takeText();  // what it wrote last
+  takeText();  // the last output
   child_ = 0;
   ::close(std::exchange(out_, -1));
   if (*status == -1) return Expected<FileAnswer>(failed(program_ + ": lost"));
@@ -179,7 +179,7 @@ Expected<FileAnswer> SystemDialog::answerOf(int status) const {
   if (code != 0) return failed(fmt::format("{}: exit code {}", program_, code));
 
   FileAnswer out;
-  if (what_ != What::kOpenSeveral) {  // a name may have several lines
+  if (what_ != What::kOpenSeveral) {  // a name may contain newlines
     const std::string path = text_.ends_with('\n') ? text_.substr(0, text_.size() - 1) : text_;
     if (!path.empty()) out.push_back(what_ == What::kOpen ? meantBy(path) : fs::path(path));
     return out;

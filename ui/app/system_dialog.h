@@ -1,8 +1,8 @@
-// The system's own file dialog, as a program beside the window: zenity (GNOME, Xfce) or kdialog (KDE). The window goes
-// on drawing: nothing here waits for it.
+// The system's file dialog as a separate program: zenity (GNOME, Xfce) or kdialog (KDE). The window keeps drawing and
+// does not wait.
 //
-// Where neither is on the PATH there is no such dialog, and the window shows its own (file_browser.h). The portal of
-// xdg-desktop is reached by zenity where the desktop is set up so, not by us.
+// If neither is on the PATH, the window shows its own dialog (file_browser.h). zenity uses the portal of xdg-desktop
+// where the desktop is set up so; Kerf does not.
 #pragma once
 
 #include <sys/types.h>
@@ -16,23 +16,23 @@
 
 namespace kerf {
 
-/// What is to be chosen.
+/// A file choice to ask for.
 struct FileQuestion {
   enum class What { kOpen, kOpenSeveral, kOpenFolder, kSave };
   What what = What::kOpen;
   std::string title{};             ///< "Open..."
-  std::filesystem::path folder{};  ///< where it begins; empty: the working folder
+  std::filesystem::path folder{};  ///< start folder; empty: the working folder
   std::string name{};              ///< suggested, of kSave
 };
 
-/// What was chosen. To open: of a case or a session, which are folders, a person chooses the manifest in it: the folder
-/// is meant.
+/// The chosen files. A case or a session to open is a folder: the user chooses its manifest, and the answer is the
+/// folder.
 using FileAnswer = std::vector<std::filesystem::path>;  ///< empty: cancelled
 
 class SystemDialog {
  public:
   SystemDialog() = default;
-  ~SystemDialog();  ///< takes the dialog away
+  ~SystemDialog();  ///< closes the dialog
   SystemDialog(const SystemDialog&) = delete;
   SystemDialog& operator=(const SystemDialog&) = delete;
 
@@ -42,22 +42,23 @@ class SystemDialog {
   /// Shows it.   @pre !isShown().   Errors: kNotFound without a program; kUnsupported if it can not be started.
   Expected<void> ask(const FileQuestion& question);
   bool isShown() const { return child_ > 0; }
-  /// Once a frame: what was chosen, once; none: it is still open, or was not asked.   @cost  microseconds; never waits.
-  /// Errors: kUnsupported: the program failed, with what it ended with; the dialog is gone then.
+  /// Once a frame: returns the choice once. None: the dialog is open, or was not opened.   @cost  microseconds; never
+  /// waits.
+  /// Errors: kUnsupported: the program failed, with its exit status; the dialog is gone then.
   std::optional<Expected<FileAnswer>> poll();
-  /// Takes it away, as if cancelled without an answer.
+  /// Closes it, as if cancelled without an answer.
   void close();
 
  private:
   Expected<FileAnswer> answerOf(int status) const;
 
   pid_t child_ = 0;  // 0: none
-  int out_ = -1;     // what it writes
+  int out_ = -1;     // reads its output
   FileQuestion::What what_ = FileQuestion::What::kOpen;
   std::string program_, text_;
 };
 
-/// The words of its command line, the program first: for tests.   @param program  "zenity" or "kdialog".
+/// Its command line, the program first: for tests.   @param program  "zenity" or "kdialog".
 std::vector<std::string> commandOf(const std::string& program, const FileQuestion& question);
 
 }  // namespace kerf

@@ -12,7 +12,7 @@ void Timeline::update(const UndoList& list) {
   const std::uint64_t forgotten = list.forgotten - list_.forgotten;
   list_ = list;
 
-  // The oldest ones are gone for good.
+  // Drops the oldest strokes for good.
   for (std::uint64_t n = 0; n < forgotten && !strokes_.empty(); ++n) {
     const PlannedCut* const cut = cutOf(strokes_.front().number);
     strokes_.erase(strokes_.begin());
@@ -22,13 +22,13 @@ void Timeline::update(const UndoList& list) {
   const std::vector<UndoStep> strokes_then = strokes_;
   const std::vector<TimelineStep> steps_then = steps_;
 
-  // Numbers rise: the list takes the place of all from its first one on.
+  // Numbers rise: the list replaces all strokes from its first number on.
   const std::size_t count = list.undoable + list.redoable;
   const std::size_t before = count - std::min(count, list.newest_count);
   const auto newest_end = list.newest.begin() + static_cast<std::ptrdiff_t>(list.newest_count);
   const std::uint64_t first = list.newest_count > 0 ? list.newest[0].number : 0;
   std::erase_if(strokes_, [&](const UndoStep& known) { return known.number >= first; });
-  // More of them between two reports than a list holds: there are that many, but nobody saw them.
+  // More strokes between two reports than a list holds: fills in unknown ones.
   strokes_.resize(before, UndoStep{.number = first - 1, .origin = {}, .kind = UndoStep::Kind::kStroke});
   strokes_.insert(strokes_.end(), list.newest.begin(), newest_end);
 
@@ -37,7 +37,7 @@ void Timeline::update(const UndoList& list) {
   groupSteps();
 }
 
-// Numbers rise and none comes twice: what is no longer there, with something newer in its place, was dropped.
+// Numbers rise and are unique: a missing number with a newer one in its place was dropped.
 void Timeline::keepDropped(const std::vector<UndoStep>& known, const std::vector<TimelineStep>& known_steps) {
   if (known.empty() || strokes_.empty() || strokes_.back().number <= known.back().number) return;
   std::size_t kept = 0;
@@ -45,7 +45,7 @@ void Timeline::keepDropped(const std::vector<UndoStep>& known, const std::vector
   if (kept < known.size()) branches_.push_back(branchBehind(kept, known, known_steps));
 }
 
-// Of a planned cut that was taken back in part, all.
+// Includes the whole of a planned cut that was undone in part.
 TimelineBranch Timeline::branchBehind(std::size_t kept, const std::vector<UndoStep>& strokes,
                                       const std::vector<TimelineStep>& steps) const {
   std::size_t first = 0;

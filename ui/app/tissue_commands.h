@@ -1,4 +1,4 @@
-// Commands that choose what is seen of the tissues; rows of the table in app_commands.cpp.
+// Commands for tissue looks and colours; rows of the table in app_commands.cpp.
 #pragma once
 
 #include "ui/app/app_commands.h"

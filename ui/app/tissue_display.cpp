@@ -15,11 +15,11 @@
 namespace kerf {
 namespace {
 
-constexpr auto kPause = std::chrono::milliseconds(250);  // from one meshing of what was cut to the next
-constexpr double kLeast = 1e-6;                          // mm^3: what is less is no tissue
-constexpr std::uint8_t kMapGloss = 40;                   // matte: shine would be read as a value
+constexpr auto kPause = std::chrono::milliseconds(250);  // between two meshings of the cut
+constexpr double kLeast = 1e-6;                          // mm^3: smaller volumes are no tissue
+constexpr std::uint8_t kMapGloss = 40;                   // matte: shine would read as a value
 
-// Even steps of L* in CIELAB, 92 to 20, from yellow to blue: no step is told by red against green.
+// Even steps of L* in CIELAB, 92 to 20, from yellow to blue: no step relies on red against green.
 constexpr std::array<std::array<double, 3>, 9> kMap = {{{253, 232, 147},
                                                         {224, 207, 138},
                                                         {196, 182, 130},
@@ -85,7 +85,7 @@ TissueSource tissueSourceOf(const WatchedRun& run) {
   return out;
 }
 
-// ---- What the workbench calls
+// ---- Calls by the workbench
 
 void TissueDisplay::opened(TissueSource source, const MaterialTable& materials) {
   closing();
@@ -99,7 +99,7 @@ void TissueDisplay::opened(TissueSource source, const MaterialTable& materials) 
     if (number >= volumes.size() || volumes[number] < kLeast) continue;
     tissues_.push_back({row.material, row.id, row.name, row.color, volumes[number], TissueLook::kShow});
   }
-  // What is of several tissues is opened to see them: caries in enamel is no colour of the scan.
+  // An object of several tissues opens in tissue colours: a scan's colours do not show caries in enamel.
   const bool begins_with_scan = source_->has_scan_colours && tissues_.size() <= 1;
   colours_ = wanted_colours_ = begins_with_scan ? SurfaceColours::kScan : SurfaceColours::kTissue;
 }
@@ -119,7 +119,7 @@ Expected<void> TissueDisplay::update() {
   if (!source_) return {};
   if (measuring_ && measuring_->isOver()) KERF_CHECK(takeDepths());
   if (meshing_ && meshing_->isOver()) KERF_CHECK(takeMeshed());
-  is_dropped_ |= meshing_ && areAllShown();  // the window has forgotten what was handed out
+  is_dropped_ |= meshing_ && areAllShown();  // the window has dropped the chunks handed out
   if (meshing_) return {};
   if (areAllShown()) {
     meshers_.reset();
@@ -138,7 +138,7 @@ bool TissueDisplay::isBusy() const {
   return meshing_ || measuring_ || (!areAllShown() && parts_of_ != wanted());
 }
 
-// ---- Which tissues are seen
+// ---- Tissue looks
 
 Expected<void> TissueDisplay::set(const std::string& id, TissueLook look) {
   std::string ids;
@@ -223,7 +223,7 @@ Expected<TissueDisplay::Changes> TissueDisplay::meshed(const SceneView& view, Me
   Changes out;
   KERF_TRY(scene, LiveRun::copyOf(view));
   for (const SceneCopy::Object& object : scene.objects) {
-    if (object.loaded > 0) continue;  // what stands beside is shown as it is
+    if (object.loaded > 0) continue;  // neighbours keep their own surface
     for (const TissuePart part : {TissuePart::kSolid, TissuePart::kGhost}) {
       const TissueSet& of = part == TissuePart::kSolid ? meshers.of.solid : meshers.of.ghost;
       if (part == TissuePart::kGhost && of.none()) continue;
@@ -248,7 +248,7 @@ Expected<void> TissueDisplay::takeMeshed() {
   auto changes = std::exchange(meshing_, nullptr)->take();
   next_ = std::chrono::steady_clock::now() + kPause;
   if (!changes) {
-    // A piece that was put together again meanwhile: the next view of the scene is without it.
+    // A piece was joined again meanwhile: the next view of the scene lacks it.
     meshers_.reset();
     if (changes.error().code == Error::Code::kNotFound) {
       meshed_edits_ = 0;
@@ -289,7 +289,7 @@ Expected<void> TissueDisplay::setColours(SurfaceColours colours) {
                  .expected = "a scan with colours of vertices or faces, as PLY, OBJ, OFF and 3MF hold them",
                  .hint = "view.colours tissue"});
   wanted_colours_ = colours;
-  if (colours == SurfaceColours::kDepth && !depths_) {  // update() goes on
+  if (colours == SurfaceColours::kDepth && !depths_) {  // update() continues
     if (!measuring_)
       measuring_ = std::make_unique<Job<Depths>>(
           "depths", [original = source_->original](const Progress& progress) -> Expected<Depths> {
@@ -310,7 +310,7 @@ Expected<void> TissueDisplay::takeDepths() {
   return setColours(wanted_colours_);
 }
 
-// 1 at the structure, 0 as far as the map reaches or as is measured.
+// 1 at the structure, 0 at the reach of the map or of the measurement.
 double TissueDisplay::nearness(const Vec3d& p) const {
   constexpr double kRounding = 1e-4;  // mm
   const double distance = source_->structures->distance(p);

@@ -1,4 +1,4 @@
-// Commands that take a tool and cut with it by mouse; rows of the table in app_commands.cpp.
+// Commands to take a tool and cut with it by mouse; rows of the table in app_commands.cpp.
 #pragma once
 
 #include "ui/app/app_commands.h"
@@ -7,7 +7,7 @@ namespace kerf::tool_commands {
 
 Expected<void> selectTool(AppContext& context, AppWords words);  ///< ID
 Expected<void> addTool(AppContext& context, AppWords words);     ///< PATH
-bool hasRack(const AppContext& context);                         ///< and settings, where favourites are kept
+bool hasRack(const AppContext& context);                         ///< and settings, which keep favourites
 Expected<void> favourite(AppContext& context, AppWords words);   ///< [ID]
 Expected<void> nextTool(AppContext& context, AppWords words);
 Expected<void> previousTool(AppContext& context, AppWords words);

@@ -7,10 +7,10 @@
 namespace kerf {
 namespace {
 
-constexpr double kMargin = 0.18;      // of the picture, about what cuts
-constexpr double kTolerance = 0.008;  // of that
-constexpr double kOutside = 0.2;      // of the picture: what lies farther outside is left out
-constexpr double kIconNear = 0.02;    // of the picture: what is this near to what cuts has its colour
+constexpr double kMargin = 0.18;      // of the picture, around the cutting part
+constexpr double kTolerance = 0.008;  // of the cutting part
+constexpr double kOutside = 0.2;      // of the picture: drops parts farther outside
+constexpr double kIconNear = 0.02;    // of the picture: distance that takes the colour of the cutting part
 
 struct Sorted {
   double depth = 0;
@@ -22,7 +22,7 @@ struct Sorted {
 std::vector<IconTriangle> toolIcon(const Tool& tool) {
   const Box3 cut = tool.cut->bounds();
   const Vec3d center = cut.center(), size = cut.size();
-  int thin = 0;  // the axis that it is seen along: its wide side is towards the viewer
+  int thin = 0;  // the viewing axis: the wide side faces the viewer
   for (int axis = 1; axis < 3; ++axis)
     if (size[axis] < size[thin]) thin = axis;
   const int up = thin == 2 ? 1 : 2, across = 3 - thin - up;

@@ -1,4 +1,4 @@
-// The picture of a tool in a row of the rack: what cuts, from the side, with as much of the rest as is beside it.
+// Picture of a tool in a row of the rack: its cutting part from the side, with the adjoining rest.
 #pragma once
 
 #include <array>
@@ -8,14 +8,14 @@ namespace kerf {
 
 struct Tool;
 
-/// In a square of side 1, y downwards; what reaches out of it is not cut off.
+/// In a square of side 1, y downwards; not clipped to it.
 struct IconTriangle {
   std::array<std::array<float, 2>, 3> corners{};
   float shade = 1;  ///< 0 to 1
   bool is_cutting = false;
 };
 
-/// The triangles that face the viewer, the farthest first. A blade is seen on its wide side.   @cost  some ms.
+/// The triangles that face the viewer, farthest first. Shows the wide side of a blade.   @cost  some ms.
 std::vector<IconTriangle> toolIcon(const Tool& tool);
 
 }  // namespace kerf

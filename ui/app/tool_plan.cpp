@@ -24,12 +24,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kMostGuessedCut = 4;  // mm: a bur cuts that far or less, and a longer head is told
-constexpr double kPlanStep = 0.25;     // mm, of the heights at which it is measured
-constexpr double kWider = 1.6;         // times what is near the tip: that is no head any more
-constexpr double kDoubt = 1.5;         // times the width of the tip: another end may be it
+constexpr double kMostGuessedCut = 4;  // mm: a bur cuts that far or less; the user gives a longer head
+constexpr double kPlanStep = 0.25;     // mm, between measured heights
+constexpr double kWider = 1.6;         // times the width near the tip: ends the head
+constexpr double kDoubt = 1.5;         // times the width of the tip: below it another end may be the tip
 
-// The longest way through the surface, unit.
+// The longest direction through the surface, unit.
 Vec3d toolLengthOf(const Mesh& mesh) {
   double area = 0;
   Vec3d centre = Vec3d::Zero();
@@ -54,12 +54,12 @@ Vec3d toolLengthOf(const Mesh& mesh) {
   return solver.eigenvectors().col(2).normalized();
 }
 
-// What of a mesh is near its lowest end along an axis, upright: the axis is z, the end at 0.
+// The part of a mesh near its lowest end along an axis, upright: the axis is z, the end at 0.
 struct LowEnd {
   std::vector<std::array<Vec3d, 3>> triangles;
-  Eigen::Quaterniond to_file;  // back, but for the height
+  Eigen::Quaterniond to_file;  // rotation back to the file
   double lowest = 0;           // in the file
-  double length = 0;           // of all of the mesh
+  double length = 0;           // of the whole mesh
 };
 LowEnd lowEnd(const Mesh& mesh, const Vec3d& axis) {
   LowEnd out;
@@ -83,7 +83,7 @@ LowEnd lowEnd(const Mesh& mesh, const Vec3d& axis) {
   return out;
 }
 
-// Where edges pass a height.
+// Visits the points where edges cross a height.
 template <class Visit>
 void crossings(const LowEnd& end, double height, const Visit& visit) {
   for (const std::array<Vec3d, 3>& triangle : end.triangles)
@@ -94,11 +94,11 @@ void crossings(const LowEnd& end, double height, const Visit& visit) {
     }
 }
 
-// Its name and its axis are there.
+// @pre  `way` has its name and axis.
 void measure(const Mesh& mesh, ToolWay& way) {
   const LowEnd end = lowEnd(mesh, way.axis);
 
-  // The tip is in the middle of what is seen of the end along the axis: of its corners, and of where it goes on.
+  // The tip is in the middle of the end as seen along the axis: of its corners and of its section at `top`.
   const double top = std::min(ToolWay::kTipLength, 0.5 * end.length);
   std::vector<Vec3d> points;
   for (const std::array<Vec3d, 3>& triangle : end.triangles)
@@ -113,7 +113,7 @@ void measure(const Mesh& mesh, ToolWay& way) {
   way.tip = end.to_file * Vec3d(middle[0], middle[1], end.lowest);
   way.tip_width_mm = 2 * radius;
 
-  // It cuts as far as it is hardly wider than there.
+  // The cutting part ends where it becomes clearly wider.
   way.cut_below_mm = std::min(kMostGuessedCut, end.length);
   for (double above = top; above < way.cut_below_mm; above += kPlanStep) {
     double reach = 0;
@@ -122,8 +122,8 @@ void measure(const Mesh& mesh, ToolWay& way) {
   }
 }
 
-// The way from a thin end that points in no direction of the file, as the bur of a contra-angle: of the points that
-// stick out to some side the one with the thinnest surroundings, and from it to their middle. None: nothing sticks out.
+// Axis from a thin end in no direction of the file, such as the bur of a contra-angle. Takes the protruding point with
+// the thinnest surroundings, and the axis to their middle. None: nothing protrudes.
 std::optional<Vec3d> fromThinEnd(const Mesh& mesh) {
   constexpr std::size_t kMostPoints = 20000, kSides = 200, kFewest = 4;
   constexpr double kPoint = 0.4, kNear = 2.5;  // mm
@@ -170,7 +170,7 @@ std::optional<Vec3d> fromThinEnd(const Mesh& mesh) {
   return best;
 }
 
-// Without vertices that no triangle has: they may lie anywhere.
+// Drops vertices without a triangle: they may lie anywhere.
 Mesh withoutStrayVertices(const Mesh& mesh) { return subset(mesh, std::vector<char>(mesh.triangles.size(), 1)); }
 
 Mesh scaledTool(const Mesh& mesh, double scale) {
@@ -192,14 +192,14 @@ std::string idOf(const fs::path& file) {
   return out.empty() ? "my-tool" : out;
 }
 
-// What stands between quotes, or behind a # in a line.
+// Makes a text safe within quotes, or behind a # in a line.
 std::string plain(std::string text) {
   for (char& c : text)
     if (static_cast<unsigned char>(c) < 32 || c == '"' || c == '\\' || c == 127) c = '_';
   return text;
 }
 
-// One that neither file has, and no tool that is there: of two tools with one id the rack shows the first.
+// An id free in both files and all tools: the rack shows only the first of two tools with one id.
 std::string freeId(const std::string& wanted, const fs::path& folder, const std::vector<std::string>& ids_taken) {
   std::vector<fs::path> folders = defaultToolFolders();
   folders.push_back(folder);
@@ -239,7 +239,7 @@ std::vector<ToolWay> toolWays(const Mesh& mesh_mm) {
     measure(mesh, way);
     out.push_back(way);
   }
-  // An axis of the file before the length, which may be the same but for rounding.
+  // Sorts an axis of the file before an equal length axis, despite rounding.
   constexpr double kSame = 0.02;  // mm
   const auto steps = [](const ToolWay& way) { return std::lround(way.tip_width_mm / kSame); };
   std::stable_sort(out.begin(), out.end(), [&](const ToolWay& a, const ToolWay& b) { return steps(a) < steps(b); });
@@ -290,7 +290,7 @@ Expected<void> ToolPlan::setCutBelow(double mm) {
 
 bool ToolPlan::isDoubtful() const {
   if (is_chosen_) return false;
-  // The same way under another name is no other end.
+  // The same direction under another name is no other end.
   constexpr double kSameWay = 0.98;  // cosine
   return std::any_of(ways_.begin(), ways_.end(), [&](const ToolWay& other) {
     return other.axis.dot(way().axis) < kSameWay && other.tip_width_mm < kDoubt * way().tip_width_mm;
@@ -322,7 +322,7 @@ Expected<fs::path> writeMeshTool(const MeshToolOrder& order, const fs::path& fol
     KERF_TRY(closed, closeMesh(solid, closeOptionsOf(order.closing), progress));
     solid = std::move(closed.mesh);
   }
-  // Of the solid: closing may have moved its end.
+  // Measures the solid: closing may have moved its end.
   measure(solid, way);
 
   std::error_code failed;

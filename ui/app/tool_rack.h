@@ -1,4 +1,4 @@
-// Which tools of the rack a person sees, and in which order.
+// Selection and order of the tools shown in the rack.
 #pragma once
 
 #include <cstddef>
@@ -13,13 +13,13 @@ namespace kerf {
 
 struct RackView {
   std::string_view search = {};                  ///< matchesSearch(); empty: all
-  bool shows_all = false;                        ///< without a search: more than the first ones
-  std::span<const std::string> favourites = {};  ///< ids, in the order in which they were chosen
+  bool shows_all = false;                        ///< without a search: more than the leading ones
+  std::span<const std::string> favourites = {};  ///< ids, in the order of choice
 };
 
 bool isFavourite(const RackView& view, const Tool& tool);
 
-/// Numbers of tools: first the favourites, as they were chosen, then the others in the order of the rack. Without a
+/// Indices of tools: first the favourites in the order of choice, then the others in the order of the rack. Without a
 /// search the others are those for a first look (Workbench::firstLookTools()) and the one in hand, or all.
 std::vector<std::size_t> rackRows(const Workbench& bench, const RackView& view);
 

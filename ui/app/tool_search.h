@@ -1,4 +1,4 @@
-// Finding a tool by what people call it.
+// Text search for a tool.
 #pragma once
 
 #include <string_view>
@@ -7,8 +7,8 @@
 
 namespace kerf {
 
-/// Whether every word of a search is found in a tool: in its id, name, description, shape, kind or ISO 6360 number, or
-/// as its diameter: "1.4", "1.4mm" and ISO's "014" are the same. Letters of either case; no word: true.
+/// True if a tool has every word of a search: in its id, name, description, shape, kind or ISO 6360 number, or as its
+/// diameter: "1.4", "1.4mm" and ISO's "014" are the same. Ignores case; true without a word.
 bool matchesSearch(const Tool& tool, std::string_view search);
 
 }  // namespace kerf

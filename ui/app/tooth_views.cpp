@@ -11,10 +11,10 @@ namespace kerf::tooth_views {
 namespace {
 
 constexpr double kToothDegree = std::numbers::pi / 180;
-constexpr double kHalfHeight = 12;                   // mm: a tooth and those next to it
+constexpr double kHalfHeight = 12;                   // mm: a tooth and the adjacent ones
 constexpr double kOverTheArch = 30, kOverNext = 45;  // degrees above the occlusal plane
 
-/// Where something is looked at.
+/// Place of a view.
 struct ToothPlace {
   Vec3d point = Vec3d::Zero();  // world
   Rigid3 T_world_object;
@@ -28,7 +28,7 @@ std::optional<ToothPlace> placeUnder(const AppContext& c, const Ray& ray) {
   return ToothPlace{hit->on_surface.point, object ? object->pose() : Rigid3{}};
 }
 
-/// The point of the arch that is nearest to a ray.
+/// The point of the arch nearest to a ray.
 ToothPlace placeOfArch(const DentalArch& arch, const Ray& ray) {
   const auto off = [&](const Vec3d& p) { return (p - ray.origin).cross(ray.direction).squaredNorm(); };
   return {*std::min_element(arch.curve.begin(), arch.curve.end(),
@@ -72,7 +72,7 @@ Expected<ToothSides> sidesOf(const AppContext& c, const ToothPlace& place) {
   return out;
 }
 
-/// What is up in the view; exactly out of the teeth, unless a person has turned another side up.
+/// Up in the view: exactly out of the teeth, unless the user has turned another side up.
 Vec3d upOf(const AppContext& c) {
   const auto& occlusal = c.bench.occlusalNormal();
   if (occlusal && uprightFrame(*occlusal) == c.camera.upright) return *occlusal;

@@ -1,7 +1,7 @@
-// What was felt and cut over the last 20 s, for plots: a ring of fixed size, 60 values a second.
+// Forces and cutting of the last 20 s, for plots: a ring of fixed size, 60 values a second.
 //
-// Each value stands for one sixtieth of a second of the session's clock. What falls between two reports has the later
-// one's value. On the window's thread; no allocation, no clock of its own.
+// Each value covers one sixtieth of a second of the session's clock. A gap between two reports takes the later report's
+// value. On the window's thread; no allocation, no clock of its own.
 #pragma once
 
 #include <array>
@@ -10,18 +10,18 @@
 
 namespace kerf {
 
-/// Of one report.
+/// Values of one report.
 struct TraceInput {
   std::uint64_t tick = 0;
   double force = 0;         ///< on the hand, N
   double torque = 0;        ///< on the hand, N mm
-  double load = 0;          ///< of the drive, % of what stalls it
+  double load = 0;          ///< of the drive, % of its stall load
   double spindle = 0;       ///< of the drive's free speed, %
   double depth = 0;         ///< below the surface as loaded, mm
-  double penetration = 0;   ///< of the tool into tissue, um: what it is pushed back by
+  double penetration = 0;   ///< of the tool into tissue, um: source of the push-back force
   double temperature = 37;  ///< of the tissue under the tool, C
   double removed_mm3 = 0;   ///< since the session began
-  std::uint64_t jumps = 0;  ///< rises when removed_mm3 changes by an undo or redo: that is no cut
+  std::uint64_t jumps = 0;  ///< increases when undo or redo changes removed_mm3: that is no cut
 };
 
 class Trace {
@@ -31,7 +31,7 @@ class Trace {
     Channel channel;
     const char* name;
     const char* unit;
-    double least_top;  ///< the scale ends there at least: noise at rest looks small
+    double least_top;  ///< least end of the scale: noise at rest looks small
   };
   static constexpr std::array<About, 8> kChannels{{{Channel::kForce, "Force", "N", 1},
                                                    {Channel::kTorque, "Torque", "N mm", 1},
@@ -44,16 +44,16 @@ class Trace {
   static constexpr std::size_t kPerSecond = 60, kSeconds = 20, kCount = kPerSecond * kSeconds;
 
   void clear() { *this = {}; }
-  /// A tick before the last one: begins anew. Within the same sixtieth of a second: only the first is kept.
+  /// A tick before the last one clears the trace. Within one sixtieth of a second it keeps only the first value.
   void add(const TraceInput& input);
 
   /// kCount values of a ring, 0 before the session began.
   const std::array<float, kCount>& values(Channel channel) const { return values_[indexOf(channel)]; }
-  /// Where the oldest one stands in the ring.
+  /// Index of the oldest value in the ring.
   std::size_t oldest() const { return next_; }
   float newest(Channel channel) const { return values(channel)[(next_ + kCount - 1) % kCount]; }
   float largest(Channel channel) const;
-  /// Where a scale from 0 ends: 1, 2 or 5 times a power of ten above the largest value.
+  /// End of a scale from 0: 1, 2 or 5 times a power of ten above the largest value.
   double scaleTop(const About& channel) const;
 
  private:

@@ -14,12 +14,12 @@
 namespace kerf {
 namespace {
 
-// Where a base looks: the axis that the largest flat part of the surface is square to. None: no flat part to speak of.
-// How sure one can be of it.
+// Direction of a base: the normal axis of the largest flat part of the surface. None: no notable flat part.
+// Thresholds of that detection.
 struct FlatSide {
   double cosine = 0.9999;     // of the largest angle to the axis
   double least_share = 0.04;  // of the area
-  double times_opposite = 0;  // at least so many times what is flat on the other side: a block has no base
+  double times_opposite = 0;  // least ratio to the flat area on the other side: a block has no base
 };
 std::optional<Vec3d> baseNormalOf(const Mesh& solid, const FlatSide& side = {}) {
   std::array<double, 6> area{};
@@ -39,7 +39,7 @@ std::optional<Vec3d> baseNormalOf(const Mesh& solid, const FlatSide& side = {}) 
   return (most < 3 ? -1.0 : 1.0) * Vec3d::Unit(static_cast<Eigen::Index>(most % 3));
 }
 
-// Of the area that faces a plane, the share close to it: most of a trimmed underside, little of a row of teeth.
+// Share of the area facing a plane that is close to it: large for a trimmed underside, small for a row of teeth.
 double shareNear(const Mesh& solid, const OcclusalPlane& plane) {
   constexpr double kNear = 2, kFacing = 0.7;  // mm; cosine of the angle
   double all = 0, near = 0;
@@ -53,10 +53,9 @@ double shareNear(const Mesh& solid, const OcclusalPlane& plane) {
   return all > 0 ? near / all : 0;
 }
 
-// How furrowed the surface is that faces a plane and lies at most 4 mm below: the sum over its edges that are bent
-// inwards of length times angle. Per area, rad/mm, chewing surfaces have 0.3 to 0.5 by their fissures; half as much
-// where crowns are closed at their necks, next to nothing the underside of a jaw. Hollow caps of enamel have more, but
-// little area that faces down.
+// Furrows of the surface that faces a plane and lies at most 4 mm below: sum of length times angle over its concave
+// edges. Per area, rad/mm, the fissures of chewing surfaces give 0.3 to 0.5; crowns closed at their necks half as much;
+// the underside of a jaw almost none. Hollow caps of enamel have more, but little area that faces down.
 struct Furrows {
   double sum = 0;       // mm
   double per_area = 0;  // 1/mm
@@ -100,9 +99,9 @@ Furrows furrowsOf(const Mesh& solid, const OcclusalPlane& plane) {
   return furrows;
 }
 
-// The occlusal planes of a solid whose up is not known: for each of the six axes the one that is found from it.
+// The occlusal planes of a solid with unknown up: the one found from each of the six axes.
 std::vector<OcclusalPlane> planesOf(const Mesh& solid) {
-  constexpr double kFlat = 0.05;  // mm: tips that lie so well in a plane are a face
+  constexpr double kFlat = 0.05;  // mm: tips so close to one plane are a face
   std::vector<OcclusalPlane> planes;
   for (int n = 0; n < 6; ++n) {
     const auto found = findOcclusalPlane(solid, (n < 3 ? 1.0 : -1.0) * Vec3d::Unit(n % 3));
@@ -111,7 +110,7 @@ std::vector<OcclusalPlane> planesOf(const Mesh& solid) {
   return planes;
 }
 
-// Before a search that takes long: a tooth is not.
+// Guards a slow search: a tooth is smaller.
 bool isAsLargeAsAnArch(const Mesh& mesh) {
   constexpr double kDeep = 20;  // mm
   Vec3d size = bounds(mesh).size();
@@ -119,9 +118,8 @@ bool isAsLargeAsAnArch(const Mesh& mesh) {
   return size[1] > kDeep;
 }
 
-// Of these planes the one of a full arch, if there is no doubt which of its two sides bites: the more furrowed one by
-// far. Tips do not tell: crowns that are closed at their necks have as many there. None: no arch, as a tooth or a bone,
-// or sides too much alike.
+// The plane of a full arch whose biting side is certain: by far the more furrowed one. Tips do not decide: crowns
+// closed at their necks have as many there. None: no arch, as a tooth or a bone, or sides too much alike.
 std::optional<OcclusalPlane> sureArchOf(const Mesh& solid, const std::vector<OcclusalPlane>& planes) {
   constexpr double kLeastPerArea = 0.15;  // 1/mm
   constexpr double kTimesOther = 1.4;     // the furrows of the other side; crowns closed at their necks: 1.56

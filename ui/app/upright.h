@@ -1,4 +1,4 @@
-// Which side of a scan is up. Scanners store jaws any way round.
+// Finds the upper side of a scan. Scanners store jaws in any attitude.
 #pragma once
 
 #include <filesystem>
@@ -9,17 +9,17 @@
 
 namespace kerf {
 
-/// An open surface has an area vector: it points away from where it is open, unit. None: closed, or nearly so.
-/// @pre outward; a scan that is inside out gives the opposite.   @cost one pass.
+/// Direction of an open surface's area vector: away from the opening, unit. None: closed, or nearly so.
+/// @pre outward; an inside-out scan gives the opposite.   @cost one pass.
 std::optional<Vec3d> awayFromOpening(const Mesh& mesh);
 
-/// Out of the teeth, unit: away from the base, by the occlusal plane if there is one. Without a base it is not known
-/// which way is up: of a full arch the side that is furrowed by fissures, if the other one is much smoother; else the
-/// direction in which most cusp tips are found that stand out of what is around them. None: none of these.
+/// Unit vector out of the teeth: away from the base, refined by the occlusal plane if there is one. Without a base: the
+/// fissured side of a full arch, if the other side is much smoother; else the direction with most cusp tips that
+/// protrude from their surroundings. None: none of these.
 /// @param solid  closed, mm.   @cost 50 ms for a jaw with a base, six times that and more without one.
 std::optional<Vec3d> occlusalNormalOf(const Mesh& solid);
 
-/// The same, and the arch that the teeth stand along, if it is a full one: findDentalArch().
+/// The same, and the dental arch, if it is a full one: findDentalArch().
 /// @cost  as occlusalNormalOf(), and 20 ms.
 struct OcclusalSide {
   std::optional<Vec3d> normal;
@@ -27,14 +27,13 @@ struct OcclusalSide {
 };
 OcclusalSide occlusalSideOf(const Mesh& solid);
 
-/// The coordinate axis that is up, by what can not be mistaken: away from the opening, or from a flat base; of a full
-/// arch without either, the side that is furrowed by fissures, if the other one is much smoother. None: the mesh tells
-/// nothing, as a single tooth.
-/// @param mesh  mm.   @cost two passes; without opening and base, of what is as large as an arch, 0.2 to 0.5 s.
+/// The coordinate axis that is up, by reliable signs only: away from the opening, or from a flat base; of a full arch
+/// without either, the fissured side, if the other one is much smoother. None: no such sign, as in a single tooth.
+/// @param mesh  mm.   @cost two passes; for a mesh as large as an arch without opening and base, 0.2 to 0.5 s.
 std::optional<Vec3d> surelyUp(const Mesh& mesh);
 
-/// The same of what a program is asked to show: of the solid of a case and of a run's case, in which no cut can be
-/// taken for a base; else of the mesh.   @param mesh  of a mesh file, mm.
+/// The same for the scene of a program: the solid of a case or of a run's case, in which no cut can pass for a base;
+/// else the mesh.   @param mesh  of a mesh file, mm.
 std::optional<Vec3d> surelyUp(const std::filesystem::path& scene, const Mesh& mesh);
 
 }  // namespace kerf

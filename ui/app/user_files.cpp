@@ -53,8 +53,8 @@ void RecentFiles::refresh() {
 
 Expected<void> RecentFiles::add(const fs::path& path) {
   const fs::path absolute = absoluteOf(path);
-  if (absolute.string().find('\n') != std::string::npos) return {};  // a name that no line can hold
-  read();                                                            // what another window has added
+  if (absolute.string().find('\n') != std::string::npos) return {};  // a line cannot hold this name
+  read();                                                            // entries added by another window
   std::erase_if(list_, [&](const RecentFile& file) { return file.path == absolute; });
   list_.insert(list_.begin(), {absolute, isThere(absolute)});
 

@@ -1,4 +1,4 @@
-// Where a user's files are, and the list of what was opened last.
+// Paths of the user's files, and the list of recently opened files.
 #pragma once
 
 #include <cstddef>
@@ -17,28 +17,28 @@ std::filesystem::path userDataFolder();
 /// Settings: $XDG_CONFIG_HOME/kerf, or ~/.config/kerf.
 std::filesystem::path userConfigFolder();
 
-/// A scan, a recipe or a case that was opened.
+/// An opened scan, recipe or case.
 struct RecentFile {
   std::filesystem::path path;  ///< absolute
-  bool is_there = false;       ///< when the list was read, or refresh() called
+  bool is_there = false;       ///< at the time the list was read, or of refresh()
 };
 
-/// The files that were opened last, in FOLDER/recent.txt: one path a line, the newest first. Pictures of them are in
-/// FOLDER/recent. The file is written beside, synced and renamed; two windows at once lose no more than an entry.
+/// The recently opened files, in FOLDER/recent.txt: one path a line, newest first. Their pictures are in FOLDER/recent.
+/// Written to a temporary file, synced and renamed; two windows at once lose at most one entry.
 class RecentFiles {
  public:
   static constexpr std::size_t kMost = 12;
-  /// Reads the list; a file that is missing is an empty list.
+  /// Reads the list; a missing file is an empty list.
   explicit RecentFiles(std::filesystem::path folder);
 
   std::span<const RecentFile> list() const { return list_; }
-  /// Asks again which of them are there.
+  /// Updates is_there of all files.
   void refresh();
   /// Puts a file first. Errors: kWriteFailed.
   Expected<void> add(const std::filesystem::path& path);
   /// Takes a file off the list and deletes its picture; the file itself stays. Errors: kWriteFailed.
   Expected<void> forget(std::size_t n);
-  /// Where the picture of a file is, or will be.
+  /// Path of a file's picture, existing or not.
   std::filesystem::path pictureOf(const std::filesystem::path& path) const;
 
  private:

@@ -46,7 +46,7 @@ Expected<void> up(AppContext& c, AppWords words) {
   return fit(c, {});
 }
 
-// Square to the view: what is nearer than a point goes.
+// Perpendicular to the view: removes everything nearer than a point.
 Expected<void> cutOpen(AppContext& c, AppWords words) {
   if (c.bench.section && words.empty()) {
     c.bench.section.reset();

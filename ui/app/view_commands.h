@@ -1,12 +1,12 @@
-// Commands that look: named views, zoom, sections, pictures; rows of the table in app_commands.cpp.
+// Commands of the view: named views, zoom, sections, pictures; rows of the table in app_commands.cpp.
 #pragma once
 
 #include "ui/app/app_commands.h"
 
 namespace kerf {
 
-/// The view of something that was just opened: as `otherwise` says, its occlusal side up if it has one. From above is
-/// square to that side.
+/// First view of a newly opened document: `otherwise`, with the occlusal side up if there is one. From above looks
+/// perpendicular to that side.
 void firstView(AppContext& context, const Camera& otherwise);
 
 }  // namespace kerf

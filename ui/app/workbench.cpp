@@ -27,7 +27,7 @@ fs::path dataFolderOf(const WorkbenchOptions& options) {
   return options.data_folder.empty() ? userDataFolder() : options.data_folder;
 }
 
-// Before a session ends: undo or redo that is still to be sent, and all that was sent answered; a minute at most.
+// Before a session ends: sends pending undo or redo and waits for all answers, a minute at most.
 void sendTheRest(LiveRun& run, std::ptrdiff_t undos, std::uint64_t sent) {
   const auto until = std::chrono::steady_clock::now() + std::chrono::minutes(1);
   const auto answered = [&] {
@@ -88,7 +88,7 @@ std::string Workbench::nameOf(Material material) const {
 std::vector<ObjectChunks> Workbench::update() {
   takeRack(false);
   if (job_ && job_->isOver()) {
-    const auto over = std::move(job_);  // what follows may start another one
+    const auto over = std::move(job_);  // the next lines may start another job
     const auto done = std::exchange(when_over_, {});
     if (done) done();
   }
@@ -125,7 +125,7 @@ void Workbench::takeNews() {
   if (run_->thread().updateTimes()) times_ = run_->thread().times();
   const auto chunks = run_->takeChunks();
   scene_.update(chunks, report_);
-  // A piece that was moved is where the simulation has it as soon as that has answered.
+  // A moved piece takes its pose from the simulation once that has answered.
   std::erase_if(moving_, [&](const Moving& piece) {
     if (answered() < piece.sent) return false;
     dragPiece(piece.id, std::nullopt);
@@ -166,7 +166,7 @@ void Workbench::addToTrace() {
               .jumps = report_.counts.pauses});
 }
 
-// Once each: a notice does not interrupt.
+// Warns once each: a notice does not interrupt.
 void Workbench::warnOfHeat() {
   const HeatAlarms& alarms = report_.heat.alarms;
   if (alarms.pulp >= 0 && !std::exchange(has_told_of_pulp_, true))
@@ -241,7 +241,7 @@ void Workbench::openBy(const std::string& title, Load load) {
     const auto next = std::make_shared<Opened>(std::move(*loaded));
     if (!run_) return show(*next);
 
-    // What was open is written only now that there is something in its place.
+    // Writes the previous session only once its replacement is loaded.
     close();
     const auto closing = std::exchange(when_over_, {});
     when_over_ = [this, closing, next] {
@@ -253,7 +253,7 @@ void Workbench::openBy(const std::string& title, Load load) {
 }
 
 void Workbench::show(Opened& loaded) {
-  takeRack(true);  // its job has waited for that
+  takeRack(true);  // the rack's tools are ready: its job waited for them
   const CouplingSettings& coupling = loaded.run->model().settings.coupling;
   auto hand =
       std::make_unique<MouseHand>(loaded.run->original(), loaded.run->thread().session().state().body.pose, coupling);
@@ -267,7 +267,7 @@ void Workbench::show(Opened& loaded) {
     return complain(started.error());
   }
   putImportAway();
-  tissues_->closing();  // before what it is told of is gone
+  tissues_->closing();  // before its sources are gone
   watched_.reset();
   asked_run_.reset();
   hand_ = std::move(hand);
@@ -312,7 +312,7 @@ void Workbench::show(Opened& loaded) {
     section.reset();
     measure.clear();
     told_sides.reset();
-    tilt = {};  // a way to lean in the other scan
+    tilt = {};  // the tilt belonged to the other scan
     speed = 1;
     told_thin_.clear();
   }
@@ -339,7 +339,7 @@ void Workbench::show(Opened& loaded) {
 
 void Workbench::close() { endRun(false); }
 
-// @param keeps_ahead  what is taken back now, too, when nothing else is left of the session.
+// @param keeps_ahead  also keeps the undone steps ahead if the session holds no other steps.
 void Workbench::endRun(bool keeps_ahead) {
   if (isBusy() || !run_) return;
   release();

@@ -1,7 +1,7 @@
-// What both the window and its scripts work on: what is open, what is cut, what is being done. No OpenGL, no keys.
+// The open document, its session and the running job, shared by the window and its scripts. No OpenGL, no keys.
 //
-// All calls come from one thread, once a frame update(). Long work is a job: it never blocks that thread. Each step of
-// a user is one function here; the table of commands (app_commands.h) gives them names, keys and places in menus.
+// All calls come from one thread, once a frame update(). Long work is a job and never blocks that thread. Each user
+// step is one function here. The command table (app_commands.h) adds names, keys and menu places.
 #pragma once
 
 #include <chrono>
@@ -51,18 +51,18 @@ class WatchedRun;
 struct MeshToolOrder;
 
 struct WorkbenchOptions {
-  /// Where cases and sessions go: "cases", "sessions" below it. Empty: $XDG_DATA_HOME/kerf, or ~/.local/share/kerf.
+  /// Parent of "cases" and "sessions". Empty: $XDG_DATA_HOME/kerf, or ~/.local/share/kerf.
   std::filesystem::path data_folder;
-  std::vector<std::string> tools;  ///< ids or files; empty: all of the rack, those of defaultTools() first
-  std::string unit;                ///< of scans that are opened: "mm", "inch"; empty: as the file says, or by its size
-  double voxel_mm = 0;             ///< of scans that are opened; 0: 0.1, or coarser for a large one: voxelFor()
+  std::vector<std::string> tools;  ///< ids or files; empty: the whole rack, defaultTools() first
+  std::string unit;                ///< of opened scans: "mm", "inch"; empty: from the file, or by its size
+  double voxel_mm = 0;             ///< of opened scans; 0: 0.1, or coarser for a large scan: voxelFor()
   RealTimeRequest real_time;       ///< of the haptic thread
   std::string device;              ///< a force-feedback device to open: ArmLead::open(); empty: none
-  bool keeps_recent = false;       ///< what is opened is put on the list of recent files
-  bool asks_about_runs = false;    ///< whether a run is gone on with or watched: askedRun()
+  bool keeps_recent = false;       ///< adds opened files to the list of recent files
+  bool asks_about_runs = false;    ///< asks whether to continue or watch a run: askedRun()
 };
 
-/// Something the user should read, until it is dismissed.
+/// A message for the user, shown until dismissed.
 struct Notice {
   bool is_error = false;
   std::string text;
@@ -71,35 +71,35 @@ struct Notice {
 /// Another line of cutting, kept as a run or in the log of one.
 struct Branch {
   std::filesystem::path run;
-  BranchPoint point{};  ///< in its log; neither: its end
-  std::string text;     ///< for people
+  BranchPoint point{};  ///< in its log; if neither is set: the end of the log
+  std::string text;     ///< shown to the user
 };
 
-/// What became of a session.
+/// Result of ending a session.
 struct EndedSession {
   Expected<RunManifest> run;
   std::optional<RunReport> report{};
-  /// When nothing was left of it: runs of what had been taken back, by BranchPoint::step_began.
+  /// If the session holds no steps: runs of the undone steps, by BranchPoint::step_began.
   std::map<std::uint64_t, std::filesystem::path> saved{};
-  std::optional<Error> failed{};  ///< what could not be saved: its folder is still there, with its log
+  std::optional<Error> failed{};  ///< a failed save: the session folder with its log remains
 };
-/// Ends a session.   @param dropped  of its steps that were taken back: BranchPoint::step_began.
+/// Ends a session.   @param dropped  its undone steps: BranchPoint::step_began.
 EndedSession endSession(LiveRun& run, const std::vector<std::uint64_t>& dropped,
                         const std::filesystem::path& data_folder, const std::string& name);
 
-/// The part of a tool that goes first, in the frame of the scan.
+/// The leading point of a tool, in the frame of the scan.
 struct ToolFront {
   Vec3d point = Vec3d::Zero();   ///< mm
-  Vec3d into = -Vec3d::UnitZ();  ///< unit: the way it goes in
-  double depth = 0;              ///< below the surface as loaded, along that way, mm; negative in air
+  Vec3d into = -Vec3d::UnitZ();  ///< unit: its direction of travel into the object
+  double depth = 0;              ///< below the surface as loaded, along `into`, mm; negative in air
 };
 
-/// A tool beside what must be kept.
+/// Distance from the tool to a protected structure.
 struct NearStructure {
   std::string name;         ///< "pulp", "nerve canal"
-  double distance_mm = 0;   ///< negative: the tool is in it
-  bool is_far = true;       ///< farther than is measured: distance_mm is the reach
-  bool is_stopped = false;  ///< the stroke stops short of it, here
+  double distance_mm = 0;   ///< negative: the tool is inside it
+  bool is_far = true;       ///< beyond the measured range: distance_mm is the reach
+  bool is_stopped = false;  ///< the stroke stops short of it here
 };
 
 class Workbench {
@@ -111,94 +111,94 @@ class Workbench {
 
   // ---- Once a frame
 
-  /// Takes what jobs, mesher and haptic thread have done since. @return chunks of the surface that changed.
+  /// Collects results of jobs, mesher and haptic thread. @return chunks of the surface that changed.
   std::vector<ObjectChunks> update();
-  /// The job under way; null: none. While there is one, open, export and close are refused with a notice.
+  /// The running job, or null. Meanwhile Kerf rejects open, export and close with a notice.
   const AnyJob* job() const { return job_.get(); }
   void cancelJob();
-  /// It writes something a user has asked for: to be waited for before the program ends.
+  /// The job writes a file for the user: the program waits for it before it ends.
   bool isWriting() const { return job_ && job_writes_; }
   const std::vector<Notice>& notices() const { return notices_; }
   void say(std::string text) { notices_.push_back({false, std::move(text)}); }
-  /// Adds one. What the user cancelled is no error.
+  /// Adds a notice. A cancel by the user is no error.
   void complain(const Error& error) { notices_.push_back({error.code != Error::Code::kCancelled, error.message()}); }
 
-  // ---- What is open
+  // ---- The open document
 
-  /// A case is opened, a mesh is baked first with the default remedies, what they change said as a notice. What was
-  /// open is finished.
+  /// Opens a case, or bakes a mesh first with the default remedies and lists their changes in a notice. Closes the open
+  /// document.
   void open(const std::filesystem::path& path);
-  /// Our own anatomy: made when it is first asked for.   @param name  of demoNames().
+  /// Kerf's own anatomy, made at the first request.   @param name  of demoNames().
   void openDemo(const std::string& name);
-  /// Reads a scan or a label volume and waits for what the user decides about it: importSet(). A recipe, a case or a
-  /// run alone is opened at once. A job.
+  /// Reads a scan or a label volume and waits for the user's decisions: importSet(). Opens a single recipe, case or run
+  /// at once. A job.
   void beginImport(const std::filesystem::path& path);
-  /// The same for several files together: the first is cut, the others stand beside it, until the user says otherwise.
-  /// Tools among them go into the rack. A job.
+  /// The same for several files: the first is cut, the others become neighbours, unless the user changes this. Tools
+  /// among them go into the rack. A job.
   void beginImports(const std::vector<std::filesystem::path>& paths);
-  /// Reads more, to stand beside those that are looked at; without such: as beginImports(). A job.
+  /// Reads more neighbours into the current import. Without an import: as beginImports(). A job.
   void importMore(const std::vector<std::filesystem::path>& paths);
-  /// What is looked at; null: nothing. It stays until it is open to be cut, or cancelled.
+  /// The current import, or null. It stays until it is open for cutting, or cancelled.
   ImportSet* importSet() const { return import_.get(); }
   bool isImporting() const { return import_ != nullptr; }
-  /// The scan among it whose choices are shown; null: none is looked at, or that one is no scan.
+  /// The scan of the import whose choices are shown. Null: no import, or the shown entry is no scan.
   ImportPlan* importPlan() const;
-  /// Prepares all as decided and opens it. What is to be a tool is written below the data folder first, and is in the
-  /// rack then. A job; when it fails the plans stay, for another remedy.
+  /// Prepares all entries as decided and opens them. Writes future tools below the data folder first and adds them to
+  /// the rack. A job. If it fails, the plans stay for another remedy.
   void startImport();
   void cancelImport();
   bool isOpen() const { return run_ != nullptr; }
-  /// Rises when something else was opened: pictures of what was there are outdated.
+  /// Increases with each newly opened document: earlier pictures are outdated.
   std::uint64_t generation() const { return generation_; }
   std::string name() const { return name_; }
-  /// Out of the teeth, unit: the way a scan of several teeth is best looked at. None: it has no occlusal plane.
+  /// Unit vector out of the teeth: best view direction of a scan of several teeth. None: it has no occlusal plane.
   const std::optional<Vec3d>& occlusalNormal() const { return occlusal_.normal; }
-  /// The arch its teeth stand along, in the scan's frame. None: it is no full arch.
+  /// The dental arch, in the scan's frame. None: the scan is no full arch.
   const std::optional<DentalArch>& arch() const { return occlusal_.arch; }
-  /// Which side is which, told by a person, in the scan's frame: goes before what the arch says, until something else
-  /// is open. None: nobody has told.
+  /// Tooth sides set by the user, in the scan's frame. They override arch() until another document is open. None: not
+  /// set.
   std::optional<ToothSides> told_sides;
   const LiveRun* run() const { return run_.get(); }
   const LiveScene& scene() const { return scene_; }
   /// Pulp and nerve canals as loaded. Null: nothing is open.
   const Structures* structures() const { return structures_.get(); }
-  /// How near the tool is to them: during a stroke where it is, else where it would touch. None: there are none.
+  /// Distance of the tool to them: its pose in a stroke or led by a device, else its touch point. None: no structures.
   std::optional<NearStructure> nearStructure(const std::optional<ToolOverSurface>& over) const;
   TissueDisplay& tissues() { return *tissues_; }
   const TissueDisplay& tissues() const { return *tissues_; }
-  /// A tissue's name for people: "enamel".
+  /// Display name of a tissue: "enamel".
   std::string nameOf(Material material) const;
   const HapticReport& report() const { return report_; }
-  /// The last 20 s of what was felt and cut.
+  /// Forces and cutting of the last 20 s.
   const Trace& trace() const { return trace_; }
-  /// Speed of the drive, of its free speed, 0 to 1.
+  /// Speed of the drive as a share of its free speed, 0 to 1.
   double driveShare() const;
-  /// What the drive has to bear, of what stalls it; 0: nothing stalls it.
+  /// Load of the drive as a share of its stall load; 0: nothing stalls it.
   double driveLoadShare() const;
   HapticTimes times() const { return times_; }
-  /// Ticks of the 1 kHz thread a second, the mean of the last one. None in the first second.
+  /// Ticks per second of the 1 kHz thread, mean of the last second. None in the first second.
   std::optional<double> loopHz() const { return loop_rate_.hz(); }
-  /// Ends the session: the run is written where sessionFolder() says. A job.
+  /// Ends the session and writes the run to sessionFolder(). A job.
   void close();
   const std::filesystem::path& sessionFolder() const { return session_; }
-  /// Of the session that ended last. None: nothing was cut in it.
+  /// Report of the last ended session. None: nothing was cut in it.
   const std::optional<RunReport>& lastResult() const { return last_result_; }
 
-  // ---- Watching a session that has ended: sim/run/watched_run.h. Nothing is cut meanwhile: isOpen() is false.
+  // ---- Watching an ended session: sim/run/watched_run.h. No cutting meanwhile: isOpen() is false.
 
-  /// Loads a run and shows its beginning; what was open is finished. A job.
+  /// Loads a run and shows its beginning. Closes the open document. A job.
   void watch(const std::filesystem::path& run_folder);
-  /// Null: nothing is watched.
+  /// Null if no run is watched.
   WatchedRun* watched() { return watched_.get(); }
   const WatchedRun* watched() const { return watched_.get(); }
   bool isPlaying() const;
-  /// Something is in the picture: it is cut, or watched.
+  /// An object is shown, for cutting or watching.
   bool isShown() const { return run_ || watched_; }
   void endWatching();
-  /// Opens the run that is watched, to go on cutting from the moment that is shown: before its end that is kept as a
-  /// run of its own first.   Error kUnsupported: it is on its way to another moment.
+  /// Opens the watched run to continue cutting from the shown moment. Before its end, it keeps that state as a new run
+  /// first.   Error kUnsupported: the run is seeking another moment.
   Expected<void> goOnCutting();
-  /// A run that beginImport() was given, until somebody says what to do with it: open() or watch(). None in scripts.
+  /// A run given to beginImport() that awaits the choice of open() or watch(). None in scripts.
   const std::optional<std::filesystem::path>& askedRun() const { return asked_run_; }
   void forgetAskedRun() { asked_run_.reset(); }
 
@@ -209,21 +209,21 @@ class Workbench {
   std::size_t toolInHand() const { return tool_; }
   void selectTool(std::size_t n);
   bool selectTool(const std::string& id);
-  /// From the beginning they are read beside the window: update() puts them into the rack, errors are said then. What
-  /// is opened meanwhile waits for them in its job.
+  /// The rack is still being read in the background. update() fills the rack and reports errors. Opening a document
+  /// waits in its job for the tools.
   bool isReadingTools() const { return rack_ != nullptr; }
-  /// Waits for them, for who has no window to show.
+  /// Waits for them, for callers without a window.
   void waitForTools() { takeRack(true); }
-  /// So many of the first ones are for a first look; all: a rack of a person's choice.
+  /// Number of leading tools for a first look. A rack chosen by the user: all of it.
   std::size_t firstLookTools() const { return first_look_ ? first_look_ : tools_.size(); }
-  /// What is wrong with a tool's file, or its mesh, since it was read; null: nothing. The tool is as it was read.
+  /// Error in a tool's file or mesh found since it was read, or null. The tool itself stays as read.
   const Error* toolError(std::size_t n) const;
   using BrokenTool = kerf::BrokenTool;
   const std::vector<BrokenTool>& brokenTools() const { return broken_tools_; }
-  /// A tool's file is put into the rack, or read anew, and the tool taken. What is open goes on in a session of its
-  /// own: undo reaches back to here. A file that is no tool is refused with what is wrong in it.
+  /// Adds a tool's file to the rack, or rereads it, and takes the tool in hand. The open document continues in a new
+  /// session: undo reaches back to here. Rejects a file that is no tool and names the fault.
   void addTool(const std::filesystem::path& file);
-  /// What is shown was opened only to go on with another tool: the view stays.
+  /// The document was only reopened for another tool: the view stays.
   bool keepsView() const { return keeps_view_; }
 
   // ---- By mouse: rays in the world's frame
@@ -231,62 +231,63 @@ class Workbench {
   double force = 1;       ///< N
   double depth_mm = 0.5;  ///< below the surface as loaded
   double irrigation = 1;  ///< 0 to 1
-  double speed = 1;       ///< that the spindle is set to, of the nominal one, 0 to 1
-  /// What a stroke leaves between the tool and pulp or nerve canal, mm: it stops short of them. None: it may go into
-  /// them, with a warning. A planned cut does not know of it: Sawing::clearance() says what that leaves.
+  double speed = 1;       ///< set speed of the spindle as a share of the nominal one, 0 to 1
+  /// Least distance of a stroke to pulp or nerve canal, mm: it stops short of them. None: it may enter them, with a
+  /// warning. A planned cut ignores it: Sawing::clearance() gives its distance.
   std::optional<double> stop_short_mm;
-  /// Of the tool before it touches, and of the strokes that begin from then on. A blade in a guide knows of none.
+  /// Tilt of the tool before it touches, and of later strokes. A guided blade has no tilt.
   Tilt tilt;
   static constexpr double kLeastForce = 0.1, kMostForce = 8, kMostDepth = 5;
 
   Measure measure;
-  /// What lies on the side its normal points to is neither seen nor pointed at. None: all is.
+  /// Hides the side its normal points to from view and pointing. None: shows all.
   std::optional<Plane> section;
-  /// A ray from where it comes out of what a section takes away. None: that is inside of something.
+  /// The ray from its exit out of the hidden side of the section. None: that point is inside an object.
   std::optional<Ray> behindSection(const Ray& ray) const;
 
-  /// What the tool would do there; none: it points beside the object, or nothing is open.
+  /// The tool's pose over the surface there. None: the ray misses the object, or nothing is open.
   std::optional<ToolOverSurface> over(const Ray& ray) const;
-  /// False: there is nothing there to cut.
+  /// @return  false: nothing to cut there.
   bool press(const Ray& ray);
   void drag(const Ray& ray);
-  /// Deeper, or less deep, during a stroke or before it, mm.
+  /// Changes the depth during a stroke or before it, mm; positive is deeper.
   void deepen(double mm);
   void setForce(double newtons);
   void setSpeed(double of_nominal);
   void setIrrigation(double of_full);
-  /// The drive turns backwards from now on, until another tool is taken. Refused, with what to do, by a drive that goes
-  /// one way: an air turbine, a saw, a piezo tip.
+  /// Reverses the drive until another tool is taken. A one-way drive (air turbine, saw, piezo tip) gives an error with
+  /// a remedy.
   Expected<void> setReversed(bool is_reversed);
   bool isReversed() const { return is_reversed_; }
   bool canReverse() const;
-  /// Times the speed, until the stroke ends: how far a trigger is pulled, 0 to 1.
+  /// Factor on the speed until the stroke ends: trigger travel, 0 to 1.
   void drill(double pedal);
-  /// Times the force, until it is 1 again.
+  /// Factor on the force, until it is 1 again.
   void pushHarder(double factor);
-  /// Ends the stroke, whoever holds it.
+  /// Ends the stroke, mouse or pedal.
   void release();
-  /// The tool goes along its axis by so many mm, in is positive, and stays at that depth until the stroke ends or the
-  /// depth is set: between kClearance above the surface as loaded and the depth. Nothing without a stroke.
+  /// Moves the tool along its axis, mm, positive is in. It stays at that depth until the stroke ends or the depth is
+  /// set. Range: from kClearance above the surface as loaded to the depth. Without a stroke: no effect.
   void moveAlong(double mm);
-  /// Moves the stroke's pointer over the surface as loaded, by so many mm of the picture. Nothing without a stroke.
+  /// Moves the stroke's pointer over the surface as loaded, in mm of the picture. Without a stroke: no effect.
   void nudge(const Camera& camera, double right_mm, double up_mm);
-  /// A foot pedal holds the stroke: it needs no button, and no move of the mouse leads it. Without a stroke one begins.
-  /// @param at  what it points at; none: the place that was pressed or dragged to last.
-  /// @return  false: there is nothing there to cut.
+  /// A foot pedal holds the stroke: it needs no button, and the mouse does not lead it. Begins a stroke if there is
+  /// none.
+  /// @param at  pointing ray; none: the place of the last press or drag.
+  /// @return  false: nothing to cut there.
   bool stepOnPedal(const std::optional<Ray>& at);
   bool isOnPedal() const { return is_on_pedal_; }
-  /// Where the stroke's pointer is, world, mm.
+  /// Position of the stroke's pointer, world, mm.
   const Vec3d& strokePointer() const { return aim_.pointer; }
   bool isPressed() const { return stroke_.has_value(); }
   /// Depth of the tool below the surface as loaded; none: no stroke.
   std::optional<double> depthNow() const;
-  /// How far what goes first of the tool is below the surface as loaded, mm, along the way it goes in, whoever leads
-  /// it; negative in air. None: nobody leads it, or there is no surface above or below.
+  /// Depth of the tool's leading point below the surface as loaded, mm, along its direction of travel; negative in air.
+  /// For mouse, device and planned cut. None: nothing leads the tool, or there is no surface above or below.
   std::optional<double> tipDepth() const;
-  /// Of the same tool.
+  /// Leading point of the same tool.
   std::optional<ToolFront> toolFront() const;
-  /// Why the stroke removes nothing and what to do, in English; empty: nothing hinders it.
+  /// Reason why the stroke removes nothing and a remedy, in English. Empty: no hindrance.
   const char* hindrance() const { return hindrance_.text(); }
   void stopShort(std::optional<double> mm);
   static constexpr double kMostShort = 5, kUsualShort = 0.5;  ///< mm
@@ -294,69 +295,69 @@ class Workbench {
   void undo();
   void redo();
   const Timeline& timeline() const { return timeline_; }
-  /// Steps that are done when all Undo and Redo that were asked for are: timeline().steps() up to there.
+  /// Number of steps done once all requested Undo and Redo are: timeline().steps() up to there.
   std::size_t stepsDone() const;
-  /// Takes back or does again what lies between now and the end of a step. 0: the beginning. Until that is done nothing
-  /// is cut.   @param step  its number, as people see it.
-  /// Errors: kUnsupported for one before timeline().older(), or while a plane is sawn; kBadValue for one that is not.
+  /// Undoes or redoes all steps between now and the end of a step. 0: the beginning. Blocks cutting until then.
+  /// @param step  its number as displayed.
+  /// Errors: kUnsupported for a step before timeline().older(), or during a plane cut; kBadValue for an unknown step.
   Expected<void> goToStep(std::uint64_t step);
-  /// Other lines than the one that is cut: what was taken back before something else was cut, in this session and in
-  /// those it goes on from by a branch, a tool or a neighbour; and what was left for a branch.
+  /// Branches beside the current line: steps undone before a new cut, in this session and in those it continues by a
+  /// branch, a tool or a neighbour; and lines left for a branch.
   std::vector<Branch> branches() const;
   std::size_t branchCount() const { return left_.size() + timeline_.branches().size(); }
-  /// Goes on with one of them, in a session of its own. What is open is written, and is a branch then. A job.
-  /// Errors: kEmpty, kBadValue for one that is not; kUnsupported while a plane is sawn.
+  /// Continues a branch in a new session. Writes the open session, which becomes a branch. A job.
+  /// Errors: kEmpty; kBadValue for an unknown branch; kUnsupported during a plane cut.
   Expected<void> takeBranch(std::size_t n);
 
   // ---- Pieces, by SceneObject::id
 
-  /// A step of undo of its own. Refused with a notice during a stroke, and for a pose that is not usable.
+  /// One undo step. Rejected with a notice during a stroke, and for an unusable pose.
   void movePiece(std::uint32_t id, const Rigid3& T_world_object);
-  /// Shows it there, until it is moved or this is called with none.
+  /// Shows the piece at this pose until movePiece(), or until a call with none.
   void dragPiece(std::uint32_t id, const std::optional<Rigid3>& T_world_object);
   void hidePiece(std::uint32_t id, bool is_hidden);
   void namePiece(std::uint32_t id, const std::string& name);
-  /// In the picture, and kept with the session as its name is.   @param colour  of pieceColours(); empty: none.
+  /// Display colour, kept with the session like the name.   @param colour  of pieceColours(); empty: none.
   void colourPiece(std::uint32_t id, const std::string& colour);
-  /// What moves are made of; null: none is chosen, or it is not in the scene.
+  /// The piece that moves act on. Null: none chosen, or not in the scene.
   const SceneObject* chosenPiece() const;
   void choosePiece(std::optional<std::uint32_t> id) { chosen_ = id; }
 
-  // ---- What stands beside: workbench_neighbours.cpp
+  // ---- Neighbours: workbench_neighbours.cpp
 
-  /// The first is opened to be worked on, the others stand beside it, where their scans are: each a scan, prepared with
-  /// the default remedies, a recipe or a case. Tools among them go into the rack, one alone is as beginImport().
-  /// For a hand that is to decide first: beginImports().
+  /// Opens the first file for cutting and the others as neighbours, at their scan positions: each a scan, prepared with
+  /// the default remedies, a recipe or a case. Tools among them go into the rack. A single file: as beginImport().
+  /// To let the user decide first: beginImports().
   void openAll(const std::vector<std::filesystem::path>& paths);
-  /// What is open goes on in a session of its own, with one more beside: undo reaches back to here. A job.
+  /// Adds a neighbour. The open document continues in a new session: undo reaches back to here. A job.
   void openBeside(const std::filesystem::path& path);
-  /// The neighbour of that number is worked on instead, and what was worked on stands beside it, all as in their cases.
-  /// What was cut is written first.
+  /// Swaps roles: that neighbour is cut, the current object becomes a neighbour, both as in their cases. Writes the
+  /// current session first.
   void workOn(std::size_t number);
   std::vector<Neighbour> neighbours() const;
-  /// Null: it is not what stands beside.   @param name  or its number.
+  /// Null: no such neighbour.   @param name  or its number.
   const SceneObject* findNeighbour(const std::string& name) const;
-  /// Translucent, and not pointed at.
+  /// Makes it translucent and not selectable.
   void ghostNeighbour(std::uint32_t id, bool is_ghost);
-  /// The one the tool is nearest to, as nearStructure(). None: there is none.
+  /// The neighbour nearest to the tool, measured as nearStructure(). None: no neighbours.
   std::optional<NearNeighbour> nearNeighbour(const std::optional<ToolOverSurface>& over) const;
-  /// What a stroke leaves between the tool and neighbours, mm, as stop_short_mm. None: it may cut them, with a warning.
+  /// Least distance of a stroke to neighbours, mm, as stop_short_mm. None: it may cut them, with a warning.
   std::optional<double> stop_short_beside_mm;
   void stopShortBeside(std::optional<double> mm);
   static constexpr double kUsualShortBeside = 0.2;  ///< mm
 
   // ---- By a force-feedback device: workbench_hand.cpp
 
-  /// Of one that is not open everything can be asked as well.
+  /// All queries also work on a device that is not open.
   ArmLead& arm() { return *arm_; }
   const ArmLead& arm() const { return *arm_; }
-  /// Opens it; what is open to be cut goes on in a session whose coupling it can bear.
+  /// Opens the device. The open document continues in a session with a coupling that suits it.
   Expected<void> openDevice(const std::string& name);
-  /// What is open goes on in a session whose coupling is made for the device as it is now.
+  /// Continues the open document in a session with a coupling for the device as it is now.
   Expected<void> fitToDevice();
-  /// The hand, where it is now, means that place of the tool's tip from now on; the tool is put there.
+  /// Maps the hand's present position to this tip position and moves the tool there.
   Expected<void> placeHand(const Vec3d& tip);
-  /// The tool follows a device, not the mouse.
+  /// A device leads the tool, not the mouse.
   bool isLed() const;
 
   // ---- By plan
@@ -366,36 +367,36 @@ class Workbench {
 
   // ---- Results
 
-  /// The post-operative mesh as it is now, read back and compared. A job; the cut may go on.
+  /// Exports the present post-operative mesh, reads it back and compares. A job; cutting may go on.
   void exportTo(const std::filesystem::path& file, const ExportChoice& choice = {});
-  /// The same decided step by step, with what a check says before anything is written.
+  /// Step-by-step export, with the results of a check before any writing.
   ExportPlan& exporting() { return *exporting_; }
   const ExportPlan& exporting() const { return *exporting_; }
-  /// Something was cut or moved since all of what is worked on was exported last, or it never was: one piece of several
-  /// does not count. The session itself is kept all the same. False while an export is being written.
+  /// The object in work was cut or moved since its last complete export, if any. An export of one piece of several
+  /// does not count. The session itself is always kept. False during an export.
   bool hasUnexportedCut() const;
   double removedMm3() const { return removed_mm3_; }
-  /// Of one tissue, in this session, mm^3. In small parts below 0 where a border passes through what was cut.
+  /// Removed volume of one tissue in this session, mm^3. Slightly below 0 where a border crosses the cut.
   double removedOf(Material material) const;
 
-  // ---- What was opened before
+  // ---- Recent files
 
   RecentFiles& recent() { return recent_; }
   void forgetRecent(std::size_t n);
-  /// What is open: a scan, a recipe or a case. It stays until something else is open.
+  /// The open scan, recipe or case. It stays until another document is open.
   const std::filesystem::path& source() const { return source_; }
 
   // ---- After a crash
 
   const std::vector<LostSession>& lostSessions() const { return lost_; }
-  /// Of its folder, the log above all.
+  /// Size of its folder, mostly the log.
   std::uintmax_t bytesOfLost(std::size_t n) const;
-  /// Deletes the folder with its log for good. The caller has asked the user.
+  /// Deletes the folder with its log for good, after the caller has asked the user.
   void forgetLost(std::size_t n);
-  /// A job: finishes the session from its log; it is then a run for `kerf export`.
+  /// Finishes the session from its log into a run for `kerf export`. A job.
   void recover(std::size_t n);
 
-  /// How deep a stroke may go, mm: along a guide right through a jaw.
+  /// Deepest stroke, mm: along a guide right through a jaw.
   double mostDepth() const;
 
  private:
@@ -471,7 +472,7 @@ class Workbench {
   std::unique_ptr<ImportSet> import_;
   std::vector<std::unique_ptr<ImportSet>> ending_imports_;  // their previews are being cancelled
   std::string name_;
-  std::filesystem::path source_;  // what was opened: never written to
+  std::filesystem::path source_;  // the opened file: never written to
   OcclusalSide occlusal_;
   std::filesystem::path session_;
   std::unique_ptr<ArmLead> arm_;        // outlives hands_
@@ -484,7 +485,7 @@ class Workbench {
   std::optional<std::uint32_t> chosen_;  // piece
   struct Moving {
     std::uint32_t id = 0;
-    std::uint64_t sent = 0;  // answered when that many commands are
+    std::uint64_t sent = 0;  // done when so many commands are answered
   };
   std::vector<Moving> moving_;
   std::uint64_t generation_ = 0;
@@ -498,26 +499,26 @@ class Workbench {
   std::vector<std::filesystem::path> sources_beside_;
   struct CutOff {
     double told_mm3 = 0, now_mm3 = 0;
-    std::uint64_t tick = 0;  // when it was last another one
+    std::uint64_t tick = 0;  // of the last change
   };
   std::vector<CutOff> cut_off_;                         // of neighbours
   mutable std::map<std::size_t, ToolSamples> samples_;  // of tools that were in hand
-  std::vector<Plunge> plunges_;                         // of the same
-  std::vector<TouchPoints> touches_;                    // of the same
+  std::vector<Plunge> plunges_;                         // of all tools
+  std::vector<TouchPoints> touches_;                    // of all tools
   ToolTimes toolTimesOf(std::size_t tool) const;
-  std::vector<ToolTimes> tool_times_;              // before they were read
-  std::vector<std::optional<Error>> tool_errors_;  // since they were read
+  std::vector<ToolTimes> tool_times_;              // before reading
+  std::vector<std::optional<Error>> tool_errors_;  // since reading
   std::vector<BrokenTool> broken_tools_;
   std::size_t first_look_ = 0;
-  std::unique_ptr<Job<Rack>> rack_;                            // null: it is in the rack
-  std::shared_future<std::vector<SessionTool>> coming_tools_;  // of it, for what is opened meanwhile
+  std::unique_ptr<Job<Rack>> rack_;                            // null: reading is over
+  std::shared_future<std::vector<SessionTool>> coming_tools_;  // result of rack_, for documents opened meanwhile
   std::chrono::steady_clock::time_point next_watch_{};
-  std::vector<char> is_outdated_;                  // its file was read anew since something was opened
-  bool has_written_ = false, has_failed_ = false;  // the last close()
+  std::vector<char> is_outdated_;                  // its file was reread since a document was opened
+  bool has_written_ = false, has_failed_ = false;  // at the last close()
   bool is_reopening_ = false, keeps_view_ = false;
   std::optional<Stroke> stroke_;
-  std::optional<Ray> pointed_;   // last, by a stroke
-  std::optional<double> along_;  // depth that the stroke was led to, mm
+  std::optional<Ray> pointed_;   // last stroke ray
+  std::optional<double> along_;  // depth set by moveAlong(), mm
   bool is_on_pedal_ = false, is_reversed_ = false;
   MouseAim aim_;
   double push_factor_ = 1, drill_ = 1;
@@ -525,33 +526,33 @@ class Workbench {
   std::uint64_t sent_ = 0;  // commands
   Timeline timeline_;
   std::vector<Branch> left_;                              // branches of sessions that ended before this one
-  std::optional<Branch> opened_;                          // that this session goes on from
-  std::map<std::uint64_t, std::filesystem::path> saved_;  // EndedSession::saved of the last one
+  std::optional<Branch> opened_;                          // continued by this session
+  std::map<std::uint64_t, std::filesystem::path> saved_;  // EndedSession::saved of the last session
   Trace trace_;
   Hindrance hindrance_;
   std::optional<RunReport> last_result_;
   struct Wish {
     std::uint64_t step = 0;
-    std::uint64_t tick = 0;  // from which on the stroke that was ended for it is counted
+    std::uint64_t tick = 0;  // first tick that counts the stroke ended for the wish
   };
-  std::optional<Wish> wish_;             // of goToStep(), until all that came before it is done
-  std::ptrdiff_t undos_left_ = 0;        // to be sent: Redo, or as a negative number Undo
-  std::ptrdiff_t strokes_then_ = 0;      // that are done when they all are
+  std::optional<Wish> wish_;             // of goToStep(), until all earlier commands are done
+  std::ptrdiff_t undos_left_ = 0;        // not yet sent: positive Redo, negative Undo
+  std::ptrdiff_t strokes_then_ = 0;      // strokes done after them
   std::uint64_t undos_answered_at_ = 0;  // when so many commands are answered
   bool has_told_of_log_ = false, has_told_that_it_is_led_ = false;
   std::set<std::string> told_thin_;  // tools of this session, by their ids
-  bool has_told_of_pulp_ = false, has_told_of_bone_ = false, has_told_of_dead_bone_ = false;  // that they got warm
-  /// A job that waits for what it exports: until the last stroke is meshed.
+  bool has_told_of_pulp_ = false, has_told_of_bone_ = false, has_told_of_dead_bone_ = false;  // heat warnings given
+  /// A job that waits for its export data until the last stroke is meshed.
   struct Handover {
     std::promise<SceneView> scene;
     std::chrono::steady_clock::time_point began = std::chrono::steady_clock::now();
-    std::uint64_t sent = 0;                  // commands until then: answered before anything is handed over
-    std::optional<std::uint64_t> done_at{};  // tick at which all that was asked for was done
+    std::uint64_t sent = 0;                  // commands sent so far: answered before the handover
+    std::optional<std::uint64_t> done_at{};  // tick at which all commands were done
   };
   std::optional<Handover> handover_;
-  std::optional<CutStamp> handed_over_;  // what was, last; none: it was still being cut
+  std::optional<CutStamp> handed_over_;  // the last exported state; none: cutting was going on
   std::optional<CutStamp> exported_;     // last
-  bool has_unexported_before_ = false;   // in the session that this one goes on from, for a tool or a neighbour
+  bool has_unexported_before_ = false;   // in the session that this one continues, for a tool or a neighbour
   std::vector<ObjectChunks> fresh_;      // not handed out yet
   std::unique_ptr<Sawing> saw_;
   std::unique_ptr<ExportPlan> exporting_;

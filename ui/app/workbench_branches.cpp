@@ -1,4 +1,4 @@
-// Other lines of cutting: what was dropped, and going on with it. The rest of the workbench: workbench.cpp.
+// Branches: dropped lines of cutting, and continuing them. The rest of the workbench: workbench.cpp.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace kerf {
 
 namespace fs = std::filesystem;
 
-// A session in which nothing is left is deleted: what was taken back in it becomes runs of its own before.
+// Deletes a session without steps. Its undone steps become separate runs first.
 EndedSession endSession(LiveRun& run, const std::vector<std::uint64_t>& dropped, const fs::path& data_folder,
                         const std::string& name) {
   EndedSession out{.run = run.finish(!dropped.empty())};
@@ -34,7 +34,7 @@ std::vector<Branch> Workbench::branches() const {
   return out;
 }
 
-// The line that is cut now. None: it holds nothing.
+// The current line. None: it is empty.
 std::optional<Branch> Workbench::lineNow() const {
   const std::uint64_t steps = timeline_.older() + stepsDone();
   if (steps > 0)
@@ -43,7 +43,7 @@ std::optional<Branch> Workbench::lineNow() const {
   return Branch{run_->from(), {}, phrase("as it was opened, {:.2f} mm3 removed", removedMm3())};
 }
 
-// Of the session that ends.
+// Branches of the ending session.
 void Workbench::leaveBranches() {
   const std::size_t known = left_.size();
   left_ = branches();
@@ -58,7 +58,7 @@ std::vector<std::uint64_t> Workbench::droppedSteps(bool with_ahead) const {
   return out;
 }
 
-// Its log is gone: what was in it is in runs of its own, or was nothing.
+// Its log is gone: the steps are in separate runs, or there were none.
 Branch Workbench::savedOf(const Branch& branch, const fs::path& gone) const {
   if (branch.run != gone || !branch.point.step_began) return branch;
   const auto at = saved_.find(*branch.point.step_began);
@@ -80,7 +80,7 @@ void Workbench::takeEnded(const EndedSession& ended, const fs::path& folder) {
   say(std::move(text));
 }
 
-// In place of what is open or watched.
+// Replaces the open or watched document.
 void Workbench::openBranch(const Branch& branch) {
   const bool is_end = !branch.point.sample && !branch.point.step_began;
   openBy(phrase("going on: {}", branch.text), [branch, is_end, options = openingOptions()](const Progress& progress) {
@@ -106,7 +106,7 @@ Expected<void> Workbench::takeBranch(std::size_t n) {
   const auto ahead = timeline_.ahead(strokesDone());
   const fs::path session = session_;
   reopenWith({}, {}, taken);
-  if (run_) return {};  // something else is under way
+  if (run_) return {};  // busy: the session did not end
 
   left_.erase(left_.begin() + static_cast<std::ptrdiff_t>(n));
   if (ahead)

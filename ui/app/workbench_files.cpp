@@ -1,4 +1,4 @@
-// What was opened before, and what was lost. The rest of the workbench: workbench.cpp.
+// Recent files and recovery of lost sessions. The rest of the workbench: workbench.cpp.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ void Workbench::remember(const fs::path& path) {
   if (!options_.keeps_recent) return;
   const fs::path demos = options_.data_folder / "demo";
   const auto [end, rest] = std::mismatch(demos.begin(), demos.end(), path.begin(), path.end());
-  if (end == demos.end()) return;  // one of ours stands on the first screen anyway
+  if (end == demos.end()) return;  // the first screen lists our demos anyway
   if (const auto added = recent_.add(path); !added) complain(added.error());
 }
 
@@ -44,11 +44,10 @@ namespace {
 
 struct RecoveredSession {
   Expected<Recovery> run;
-  DroppedRuns dropped{};  // when nothing is left of it
+  DroppedRuns dropped{};  // if the session holds no steps
 };
 
-// Of a session in which nothing is left the log may hold what was cut and taken back: its folder is deleted only when
-// that is in runs of its own.
+// The log of a session without steps may hold undone cuts. Its folder is deleted only once separate runs keep them.
 RecoveredSession recoverSession(const LostSession& lost, const fs::path& data, const Progress& progress) {
   RecoveredSession out{recoverRun(lost.folder, progress)};
   if (out.run || out.run.error().code != Error::Code::kEmpty) return out;

@@ -1,5 +1,5 @@
-// How a stroke is led beside its pointer: along the tool's axis, in small steps, by a foot pedal. The rest of the
-// workbench: workbench.cpp.
+// Leads a stroke beside its pointer: along the tool's axis, in small steps, by a foot pedal. The rest of the workbench:
+// workbench.cpp.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ void Workbench::moveAlong(double mm) {
 }
 
 void Workbench::nudge(const Camera& camera, double right_mm, double up_mm) {
-  constexpr double kInFront = 6;  // mm: so much nearer than the pointer the surface is looked for
+  constexpr double kInFront = 6;  // mm: the search for the surface starts so much nearer than the pointer
   if (!stroke_) return;
   const Vec3d beside = aim_.pointer + right_mm * camera.right() + up_mm * camera.up();
   const Vec3d to_viewer = camera.towardsViewer(beside);
@@ -105,7 +105,7 @@ Expected<void> Workbench::placeHand(const Vec3d& tip) {
   return {};
 }
 
-// The haptic thread is told who leads; a tool that was held by something else is handed over where it is.
+// Tells the haptic thread who leads. The tool changes hands at its present pose.
 void Workbench::followDevice() {
   arm_->drive((is_reversed_ ? -1 : 1) * speed, irrigation);
   const bool may_lead = !stroke_ && !import_ && !saw_->isCutting() && !wish_;

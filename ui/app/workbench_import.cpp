@@ -1,4 +1,4 @@
-// Files that are looked at before they are prepared. The rest of the workbench: workbench.cpp.
+// Imports: files shown before they are prepared. The rest of the workbench: workbench.cpp.
 #include <algorithm>
 #include <memory>
 #include <system_error>
@@ -40,7 +40,7 @@ void Workbench::beginImports(const std::vector<fs::path>& paths) {
   const std::vector<fs::path> objects = takeTools(paths);
   if (objects.empty()) return;
   if (objects.size() == 1) return beginImport(objects.front());
-  // What is gone on with is decided about already.
+  // A continued run needs no decisions.
   if (kindOf(objects.front()) == FileKind::kRun) return openAll(objects);
   if (!isBusy()) readToImports(objects, phrase("reading {} files", objects.size()), false);
 }
@@ -51,7 +51,7 @@ void Workbench::importMore(const std::vector<fs::path>& paths) {
   if (!objects.empty() && !isBusy()) readToImports(objects, phrase("reading {} more", objects.size()), true);
 }
 
-// @param is_more  they come beside what is looked at already.
+// @param is_more  adds them to the current import.
 void Workbench::readToImports(std::vector<fs::path> paths, const std::string& title, bool is_more) {
   using Read = std::vector<ImportRead>;
   auto job = std::make_unique<Job<Read>>(title, [paths = std::move(paths)](const Progress& progress) -> Expected<Read> {
@@ -85,7 +85,7 @@ void Workbench::startImport() {
   if (!import_ || isBusy()) return;
   if (const auto ready = import_->requireReady(); !ready) return complain(ready.error());
   import_->suspendPreviews();
-  takeRack(true);  // no two tools have one id
+  takeRack(true);  // keeps tool ids unique
   std::vector<MeshToolOrder> orders = import_->toolOrders();
   for (MeshToolOrder& order : orders) {
     for (const SessionTool& known : tools_) order.ids_taken.push_back(known.tool.id);
@@ -94,7 +94,7 @@ void Workbench::startImport() {
   orders.empty() ? openImported() : makeTools(std::move(orders));
 }
 
-// Tools first: they are in the rack of the session that the others are opened in.
+// Tools first: the session of the other files opens with them in its rack.
 void Workbench::makeTools(std::vector<MeshToolOrder> orders) {
   using Made = std::vector<SessionTool>;
   const std::string title = orders.size() == 1 ? phrase("making a tool of {}", orders.front().file.filename().string())
@@ -113,7 +113,7 @@ void Workbench::makeTools(std::vector<MeshToolOrder> orders) {
           return {};
         }();
         if (made) return out;
-        // All or none: another try would find the ids of the first ones taken.
+        // All or none: another try would find the ids of the first tools taken.
         std::error_code ignored;
         for (fs::path& file : files) {
           fs::remove(file, ignored);
@@ -156,7 +156,7 @@ void Workbench::openImported() {
     std::vector<OpenBeside> asked;
     for (const ImportEntry& entry : import_->entries())
       if (entry.role == ImportRole::kBeside) asked.push_back({entry.file, entry.file.stem().string(), entry.decided()});
-    if (asked.empty()) {  // what is open goes on as it is
+    if (asked.empty()) {  // the open document stays
       say("nothing was imported: all files were left out");
       return putImportAway();
     }
@@ -175,7 +175,7 @@ void Workbench::openImported() {
     names += (names.empty() ? "" : ", ") + entry.file.filename().string();
   }
 
-  // What was looked at need not be said again.
+  // The preview has shown these changes: no need to repeat them.
   std::string as_shown;
   if (const ImportPlan* const scan = first.scan.get(); scan && scan->preview())
     as_shown = phrase("prepared as shown: read as {}, {} changes, cut in voxels of {:g} mm", scan->unit().unit,
@@ -197,7 +197,7 @@ void Workbench::cancelImport() {
   if (!isBusy()) putImportAway();
 }
 
-// Closing stops at its next report of progress: waiting for that here would hold up the frame.
+// A preview stops at its next progress report: waiting for that here would hold up the frame.
 void Workbench::putImportAway() {
   std::erase_if(ending_imports_, [](const auto& set) { return set->isIdle(); });
   if (!import_) return;

@@ -1,4 +1,4 @@
-// What stands beside the object that is worked on. The rest of the workbench: workbench.cpp.
+// Neighbours of the object in work. The rest of the workbench: workbench.cpp.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -43,7 +43,7 @@ void Workbench::openBeside(const fs::path& path) {
   placeBeside({{path, name, openingOptions().prepare}}, phrase("preparing {}", path.filename().string()));
 }
 
-// What was looked at before stays until this is done, for another remedy.
+// The import stays until this is done, for another remedy.
 void Workbench::placeBeside(std::vector<OpenBeside> asked, const std::string& title) {
   if (!run_ || isSawing()) return;
   struct Prepared {
@@ -80,7 +80,7 @@ void Workbench::placeBeside(std::vector<OpenBeside> asked, const std::string& ti
     for (std::string& note : prepared->notes) say(std::move(note));
     if (!run_) return;
     putImportAway();
-    // What was opened is not written over, wherever its case is.
+    // Protects the opened files from overwriting, wherever their cases are.
     sources_beside_.insert(sources_beside_.end(), paths.begin(), paths.end());
     reopenWith({}, std::move(prepared->beside));
   };
@@ -104,7 +104,7 @@ void Workbench::workOn(std::size_t number) {
          });
 }
 
-// ---- Where they are, what was cut off them
+// ---- Poses and removed volume of neighbours
 
 std::vector<Neighbour> Workbench::neighbours() const {
   std::vector<Neighbour> out;
@@ -126,7 +126,7 @@ void Workbench::ghostNeighbour(std::uint32_t id, bool is_ghost) {
   if (SceneObject* const object = scene_.find(id); object && object->isBeside()) object->is_ghost = is_ghost;
 }
 
-// Said where something is asked of a neighbour that only what is worked on can do.
+// Warns if a command that needs the object in work names a neighbour.
 bool Workbench::isNeighbour(std::uint32_t id, const std::string& what) {
   const SceneObject* const object = scene_.find(id);
   if (!object || !object->isBeside()) return false;
@@ -135,7 +135,7 @@ bool Workbench::isNeighbour(std::uint32_t id, const std::string& what) {
   return true;
 }
 
-// Once a stroke has ended and nothing more is cut: what is cut meanwhile stands among the readings.
+// Warns once a stroke has ended and cutting stops. During the cut the readings show the volume.
 void Workbench::warnOfNeighbours() {
   constexpr std::uint64_t kTicks = 100;
   constexpr double kLeast = 1e-5;  // mm^3
@@ -147,7 +147,7 @@ void Workbench::warnOfNeighbours() {
     CutOff& known = cut_off_[n];
     if (now != known.now_mm3) known.tick = report_.tick;
     known.now_mm3 = now;
-    known.told_mm3 = std::min(known.told_mm3, now);  // an undo took it back
+    known.told_mm3 = std::min(known.told_mm3, now);  // an undo reduced it
     const bool is_at_work = stroke_ || saw_->isCutting() || report_.tick < known.tick + kTicks;
     if (is_at_work || now < known.told_mm3 + kLeast) continue;
     known.told_mm3 = now;
@@ -156,7 +156,7 @@ void Workbench::warnOfNeighbours() {
 }
 
 std::optional<NearNeighbour> Workbench::nearNeighbour(const std::optional<ToolOverSurface>& over) const {
-  constexpr double kStopped = 0.03;  // mm: as near as a held button comes to its limit
+  constexpr double kStopped = 0.03;  // mm: the closest approach of a held button to its limit
   if (!run_ || neighbour_fields_.empty() || (!stroke_ && !over && !saw_->isCutting())) return {};
   const bool is_at_work = stroke_ || saw_->isCutting();
   const Rigid3 tool = is_at_work ? report_.output.T_world_tool : over->T_world_tool;

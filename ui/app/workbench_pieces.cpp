@@ -1,4 +1,4 @@
-// Pieces: where they are, what they are called. The rest of the workbench: workbench.cpp.
+// Pieces: poses and names. The rest of the workbench: workbench.cpp.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -57,7 +57,7 @@ void Workbench::colourPiece(std::uint32_t id, const std::string& colour) {
   run_->colourPiece(id, colour);
 }
 
-// For what is written: names as the window shows them.
+// Gives written files the names shown in the window.
 void Workbench::namePieces() {
   for (const SceneObject* object : scene_.shown()) run_->namePiece(object->id, object->name);
 }

@@ -1,4 +1,4 @@
-// What is exported, and the moment at which it is taken. The rest of the workbench: workbench.cpp.
+// Exports and the moment of their snapshot. The rest of the workbench: workbench.cpp.
 #include <algorithm>
 #include <chrono>
 #include <future>
@@ -52,7 +52,7 @@ bool Workbench::mayExportTo(const fs::path& file) {
   return true;
 }
 
-// For a job that works on a copy: the cut may go on. The caller starts the job in the same frame.
+// For a job on a copy: cutting may go on. The caller starts the job in the same frame.
 std::shared_ptr<std::future<SceneView>> Workbench::orderScene() {
   release();
   namePieces();
@@ -80,7 +80,7 @@ void Workbench::exportTo(const fs::path& file, const ExportChoice& choice) {
   job_ = std::move(job);
 }
 
-// None: something that was asked for is under way.
+// None: commands are still under way.
 std::optional<CutStamp> Workbench::stampNow() const {
   if (!run_ || stroke_ || undos_left_ != 0 || wish_ || answered() < sent_) return {};
   return cutStampOf(generation_, report_, scene_);
@@ -92,9 +92,9 @@ bool Workbench::hasUnexportedCut() const {
   return is_cut && !(exported_ && exported_ == stampNow());
 }
 
-// What was asked for is done, and the meshers know of it.
+// All commands are done and counted, and the meshers have their edits.
 bool Workbench::isSettled() {
-  constexpr std::uint64_t kTicks = 3;  // after a command: what it changed is counted in the next tick
+  constexpr std::uint64_t kTicks = 3;  // after a command: the next tick counts its change
   const HapticCounts& c = report_.counts;
   const bool is_done = undos_left_ == 0 && answered() >= sent_ && report_.output.touching == 0;
   if (is_done && !handover_->done_at) handover_->done_at = report_.tick;
@@ -102,7 +102,7 @@ bool Workbench::isSettled() {
   return is_counted && c.edits_waiting == 0 && run_->editsDone() >= c.edits_pushed;
 }
 
-// To the job that exports it: when the last stroke is meshed, or after a second, for somebody who goes on cutting.
+// Hands the scene to the export job once the last stroke is meshed, or after a second if cutting goes on.
 void Workbench::handOverScene() {
   constexpr auto kMost = std::chrono::seconds(1);
   if (!handover_) return;

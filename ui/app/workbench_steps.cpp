@@ -1,4 +1,4 @@
-// Commands to the simulation, and the steps that they take back and do again. The rest of the workbench: workbench.cpp.
+// Sends commands to the simulation; undo and redo of steps. The rest of the workbench: workbench.cpp.
 #include <algorithm>
 #include <utility>
 
@@ -17,7 +17,7 @@ void Workbench::undo() {
   if (!run_) return;
   if (saw_->isCutting()) return saw_->stopAndUndo();
   release();
-  // What was cut since the last report is a stroke that the timeline does not know yet.
+  // A cut since the last report is a stroke still unknown to the timeline.
   const std::size_t done = stepsDone(), strokes = strokesDone();
   undoOrRedo(done > 0 ? -static_cast<std::ptrdiff_t>(strokes - timeline_.strokesAt(done - 1)) : -1);
 }
@@ -39,14 +39,14 @@ Expected<void> Workbench::goToStep(std::uint64_t step) {
                  .found = "a plane is being sawn",
                  .expected = "a tool at rest",
                  .hint = "wait for it, or stop it (saw.stop)"});
-  // A stroke or a move that is on its way to the simulation is a step that nobody has counted yet.
+  // A stroke or move still on its way to the simulation is not yet a counted step.
   const bool is_counted = !stroke_ && !wish_ && (answered() >= sent_ || undos_answered_at_ == sent_);
   release();
   if (is_counted) {
     undoOrRedo(static_cast<std::ptrdiff_t>(strokes) - static_cast<std::ptrdiff_t>(strokesDone()));
     return {};
   }
-  constexpr std::uint64_t kTicks = 5;  // until a stroke that is let go of has ended
+  constexpr std::uint64_t kTicks = 5;  // from release to the end of the stroke
   (void)run_->thread().update();
   wish_ = Wish{step, run_->thread().report().tick + kTicks};
   return {};
@@ -60,7 +60,7 @@ void Workbench::goWhereWished() {
 
 std::size_t Workbench::stepsDone() const { return timeline_.doneAt(strokesDone()); }
 
-// As far as is known: when all that was asked for is done.
+// Expected number once all commands are done.
 std::size_t Workbench::strokesDone() const {
   const bool is_over = undos_left_ == 0 && answered() >= undos_answered_at_;
   return is_over ? timeline_.strokesDone() : static_cast<std::size_t>(std::max<std::ptrdiff_t>(strokes_then_, 0));
@@ -73,7 +73,7 @@ void Workbench::undoOrRedo(std::ptrdiff_t strokes) {
   sendUndos();
 }
 
-// So many at a time that the queue has places left for other commands.
+// Limits the batch so that the queue has places left for other commands.
 void Workbench::sendUndos() {
   constexpr std::uint64_t kMost = HapticThread::kMostCommands / 2;
   while (undos_left_ != 0 && sent_ < answered() + kMost) {

@@ -1,5 +1,4 @@
-// Strokes by mouse: where the tool would be, what it is asked to do, how near it is to what must be kept. The rest of
-// the workbench: workbench.cpp.
+// Strokes by mouse: tool pose, commands, distance to protected structures. The rest of the workbench: workbench.cpp.
 #include <algorithm>
 #include <utility>
 
@@ -17,7 +16,7 @@ std::optional<Ray> Workbench::behindSection(const Ray& ray) const {
 
   for (const SceneObject* object : scene_.shown()) {
     if (object->is_hidden) continue;
-    // As often as a surface turns towards the ray it turns away again, unless it begins inside.
+    // The ray enters a surface as often as it leaves it, unless it begins inside.
     const Ray local = inFrame(object->pose(), out);
     const auto in = object->surface.hit(local);
     const auto leaves = object->surface.exit(local, 0);
@@ -50,7 +49,7 @@ bool Workbench::press(const Ray& ray) {
   }
   release();
   pointed_ = ray;
-  // A mouse is no arm that could be struck: after a late clock it goes on at once.
+  // A mouse cannot be jerked like an arm: after a late clock it continues at once.
   if (report_.is_latched) send(ClearLatch{});
   const bool is_guided = saw_->isGuiding();
   aim_.guide = is_guided ? saw_->plan().chosen()->normal : Vec3d(Vec3d::Zero());
@@ -137,7 +136,7 @@ void Workbench::stopShort(std::optional<double> mm) {
   if (stroke_) sendAim();
 }
 
-// From now on the report tells how warm it makes what it cuts.
+// From now on the report gives the heating by this tool.
 void Workbench::heatByToolInHand() { run_->thread().heatBy(tool_, samplesOf(tool_), heatSource(tool(tool_))); }
 
 const ToolSamples& Workbench::samplesOf(std::size_t tool) const {
@@ -147,7 +146,7 @@ const ToolSamples& Workbench::samplesOf(std::size_t tool) const {
 }
 
 std::optional<NearStructure> Workbench::nearStructure(const std::optional<ToolOverSurface>& over) const {
-  constexpr double kStopped = 0.03;  // mm: as near as a held button comes to its limit
+  constexpr double kStopped = 0.03;  // mm: the closest approach of a held button to its limit
   if (!run_ || structures_->isEmpty() || (!stroke_ && !over && !isLed())) return {};
   const Rigid3 tool = stroke_ || isLed() ? report_.output.T_world_tool : over->T_world_tool;
   const Rigid3 object = stroke_   ? aim_.T_world_surface

@@ -1,4 +1,4 @@
-// The rack: its tools, and those that a person adds while something is open. The rest of the workbench: workbench.cpp.
+// The rack and tools added while a document is open. The rest of the workbench: workbench.cpp.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,7 +18,8 @@ namespace kerf {
 
 namespace fs = std::filesystem;
 
-// Of the rack, where once a second no file is opened, but for those that are wrong: they may name another mesh now.
+// Tool times as in the rack, so that the watch each second opens no file. Exception: broken tools may name another
+// mesh.
 ToolTimes Workbench::toolTimesOf(std::size_t tool) const {
   const SessionTool& known = tools_[tool];
   return tool_errors_[tool] ? timesOf(known.file) : timesOf(known);
@@ -50,7 +51,7 @@ void Workbench::putIntoRack(RackTool tool) {
   tool_times_[at] = tool.times;
 }
 
-// Of a tool that is in the rack it stands in its row, else in one of its own.
+// A tool of the rack keeps the error in its row, any other gets a row of its own.
 void Workbench::keepBroken(const BrokenTool& broken) {
   for (std::size_t n = 0; n < tools_.size(); ++n)
     if (tools_[n].file == broken.file) {
@@ -62,7 +63,7 @@ void Workbench::keepBroken(const BrokenTool& broken) {
   broken_tools_.push_back(broken);
 }
 
-// Beside the window: its first frame does not wait for them.
+// Reads in the background: the first frame does not wait for the tools.
 void Workbench::readTools() {
   const auto tools = std::make_shared<std::promise<std::vector<SessionTool>>>();
   coming_tools_ = tools->get_future().share();
@@ -77,7 +78,7 @@ void Workbench::readTools() {
                                       });
 }
 
-// @param waits  also while they are still being read.
+// @param waits  waits for tools still being read.
 void Workbench::takeRack(bool waits) {
   if (!rack_ || !(waits || rack_->isOver())) return;
   auto read = rack_->take();
@@ -109,9 +110,9 @@ void Workbench::addTool(const fs::path& file) {
   say(phrase("{} is in the rack: open something to cut with it", id));
 }
 
-// The tools and cases of a session are named where its log begins. So this one is written, and another goes on from it.
-// @param tool_file  taken in hand; empty: the one that is.
-// @param branch  is gone on with, in place of the session.
+// The log of a session names its tools and cases at its start. So this session is written, and another continues it.
+// @param tool_file  taken in hand; empty: keeps the tool in hand.
+// @param branch  is continued, in place of the session.
 void Workbench::reopenWith(const fs::path& tool_file, std::vector<CaseBeside> further,
                            const std::optional<Branch>& branch) {
   const fs::path before = run_->from().empty() ? run_->caseFolder() : run_->from(), session = session_;
@@ -119,7 +120,7 @@ void Workbench::reopenWith(const fs::path& tool_file, std::vector<CaseBeside> fu
   const fs::path source = source_;
   const std::string name = name_;
   const fs::path tool = tool_file.empty() ? run_->tools()[tool_].file : tool_file;
-  std::vector<CaseBeside> kept;  // that do not come back with `before`
+  std::vector<CaseBeside> kept;  // do not come back with `before`
   for (const LiveNeighbour& other : run_->neighbours())
     if (!other.known.has_begin) kept.push_back({other.known.folder, other.known.name});
   std::vector<fs::path> sources = sources_beside_;
@@ -133,8 +134,8 @@ void Workbench::reopenWith(const fs::path& tool_file, std::vector<CaseBeside> fu
                 is_unexported, seen, branch] {
     const std::size_t told = notices_.size();
     closing();
-    if (has_failed_) return;                             // what was cut is in its log: nothing is opened over that
-    if (has_written_ && !branch) notices_.resize(told);  // it goes on
+    if (has_failed_) return;                             // the log holds the cuts: opens nothing over it
+    if (has_written_ && !branch) notices_.resize(told);  // the session continues
     const fs::path next = has_written_ ? session : before;
     OpeningOptions options = openingOptions();
     std::vector<CaseBeside> beside = has_written_ ? std::vector<CaseBeside>{} : kept;
@@ -168,7 +169,7 @@ void Workbench::reopenWith(const fs::path& tool_file, std::vector<CaseBeside> fu
   };
 }
 
-// A tool whose file or mesh was changed is read anew: at once if it is in hand, else with what is opened next.
+// Rereads a changed tool file or mesh. The tool in hand is replaced at once, others with the next opened document.
 void Workbench::watchTools() {
   const auto now = std::chrono::steady_clock::now();
   if (now < next_watch_ || job_ || isPressed() || saw_->isCutting()) return;
@@ -194,7 +195,7 @@ void Workbench::watchTools() {
   watchBrokenTools();
 }
 
-// One that was dropped is taken as soon as it can be read; of any other the row goes over into one of the rack.
+// Takes a dropped tool once it is readable. Any other tool only moves from its broken row into the rack.
 void Workbench::watchBrokenTools() {
   for (std::size_t n = 0; n < broken_tools_.size(); ++n) {
     BrokenTool& broken = broken_tools_[n];
@@ -228,7 +229,7 @@ void Workbench::selectTool(std::size_t n) {
   warnOfThinTool();
 }
 
-// Once a session: a notice does not interrupt.
+// Warns once a session: a notice does not interrupt.
 void Workbench::warnOfThinTool() {
   const auto coarse = tooCoarseFor(tool(tool_), run_->original()->voxel(), Held::kByHand);
   if (!coarse || !told_thin_.insert(tool(tool_).id).second) return;

@@ -1,4 +1,4 @@
-// Watching a session that has ended. The rest of the workbench: workbench.cpp.
+// Watching an ended session. The rest of the workbench: workbench.cpp.
 #include <fmt/format.h>
 
 #include <memory>
@@ -56,7 +56,7 @@ void Workbench::watch(const fs::path& run_folder) {
     if (!loaded) return complain(loaded.error());
     if (!run_) return showWatched(std::move(loaded->run), loaded->occlusal);
 
-    // What was open is written only now that there is something in its place.
+    // Writes the previous session only once its replacement is loaded.
     const auto next = std::make_shared<Watched>(std::move(*loaded));
     close();
     const auto closing = std::exchange(when_over_, {});

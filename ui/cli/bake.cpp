@@ -20,7 +20,7 @@
 namespace kerf::cli {
 namespace {
 
-constexpr double kHighestBase = 1000;  // mm; closing allows no more
+constexpr double kHighestBase = 1000;  // mm; limit of closing
 
 struct BakeArguments {
   std::vector<std::string> inputs;
@@ -55,7 +55,7 @@ Expected<void> requireLength(const char* option, double mm, const char* hint) {
                .hint = hint});
 }
 
-/// What the base options ask for; nothing if they were not given.
+/// Reads the base options, if given.
 Expected<void> readBase(const BakeArguments& a, CloseOptions& options) {
   if (!a.base.empty() && a.base != "horseshoe" && a.base != "full")
     return fail({.code = Error::Code::kBadValue,
@@ -77,7 +77,7 @@ Expected<void> readBase(const BakeArguments& a, CloseOptions& options) {
   return {};
 }
 
-/// A mode, or steps with commas.
+/// A mode, or comma-separated steps.
 Expected<void> readClose(const std::string& text, CloseOptions& options) {
   static const std::map<std::string, CloseMode> kModes{{"auto", CloseMode::kAuto},
                                                        {"base", CloseMode::kBase},
@@ -152,7 +152,7 @@ nlohmann::json bakeJson(const PairCheck& c) {
   return j;
 }
 
-// What closing cost.
+// Losses of closing.
 nlohmann::json bakeJson(const CloseReport& c) {
   nlohmann::json holes = nlohmann::json::array();
   for (const Vec3d& p : c.handles_at) holes.push_back({p.x(), p.y(), p.z()});
@@ -182,7 +182,7 @@ nlohmann::json bakeJson(const CloseReport& c) {
   return j;
 }
 
-// What an up-to-date case keeps of it: the numbers, no places.
+// Closing data of an up-to-date case: the numbers, no places.
 nlohmann::json keptClosing(const CaseManifest& m) {
   if (m.closing.empty()) return nullptr;
   nlohmann::json j = closingJson(m.closing);
@@ -193,14 +193,14 @@ nlohmann::json keptClosing(const CaseManifest& m) {
   return j;
 }
 
-// The n-th source, as it was read.
+// The n-th source, as read.
 nlohmann::json sourceJson(const CaseSource& s) {
   return {{"stored_as", s.stored_as}, {"format", s.format},           {"sha256", s.sha256},
           {"unit", s.unit},           {"unit_reason", s.unit_reason}, {"scale_to_mm", s.scale_to_mm},
           {"vertices", s.vertices},   {"triangles", s.triangles}};
 }
 
-// With what reading it told.
+// With findings of reading it.
 nlohmann::json sourceJson(const BakeReport& r, std::size_t n) {
   nlohmann::json j = sourceJson(r.manifest.sources[n]);
   j["unit_is_doubtful"] = static_cast<bool>(r.unit_is_doubtful[n]);
@@ -218,7 +218,7 @@ nlohmann::json bakeJson(const BakeReport& r) {
   j["was_up_to_date"] = r.was_up_to_date;
   j["warnings"] = r.manifest.warnings ? nlohmann::json(*r.manifest.warnings) : nlohmann::json();
   if (r.pair_check) j["pair_check"] = bakeJson(*r.pair_check);
-  if (r.was_up_to_date) {  // the same keys: nothing was timed or closed
+  if (r.was_up_to_date) {  // the same keys: no timing, no closing
     j["seconds"] = nullptr;
     if (r.manifest.parts.empty()) j["closing"] = keptClosing(r.manifest);
     for (const CaseSource& s : r.manifest.sources) j["sources"].push_back(sourceJson(s));
@@ -259,7 +259,7 @@ int runPair(const BakeArguments& a, const std::vector<std::filesystem::path>& pa
   return kOk;
 }
 
-// What the options say in words: into options.close. Errors are of the command line.
+// Converts options to options.close. Errors are of the command line.
 Expected<void> readCloseOptions(const BakeArguments& a, CloseOptions& close) {
   KERF_CHECK(readClose(a.close, close));
   if (a.fill_up_to > 0) close.fill_up_to_mm = a.fill_up_to;
@@ -273,7 +273,7 @@ Expected<void> readCloseOptions(const BakeArguments& a, CloseOptions& close) {
   return {};
 }
 
-// Around where the tip of the path file of --fine-along cuts.
+// The region around the tip's cutting positions in the path file of --fine-along.
 Expected<FineRegion> readRegion(const BakeArguments& a) {
   KERF_TRY(path, readPath(a.fine_along));
   FineRegion region{{}, a.fine_radius, a.fine_voxel};

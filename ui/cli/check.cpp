@@ -19,12 +19,12 @@ using nlohmann::json;
 
 struct CheckArguments {
   std::vector<std::string> meshes;
-  std::string unit;  // empty: the numbers are taken for mm
+  std::string unit;  // empty: numbers are in mm
   bool json = false;
 };
 
-// "-" is standard input. A mesh is judged as its numbers are, or in mm from the unit the user names; who meant another
-// unit is told, beside the verdict.
+// "-" is standard input. Checks a mesh by its numbers as they are, or in mm from the user's unit. Notes a likely other
+// unit beside the verdict.
 Expected<MeshFile> read(const CheckArguments& a, const std::string& name) {
   auto file = name == "-" ? readMeshStream(std::cin, "standard input") : readMesh(name);
   if (!file || file->mesh.vertices.empty()) return file;
@@ -39,7 +39,7 @@ Expected<MeshFile> read(const CheckArguments& a, const std::string& name) {
   return file;
 }
 
-// One mesh alone: its verdict as it is.
+// One mesh alone: prints its full verdict.
 int checkOne(const CheckArguments& a) {
   const auto file = read(a, a.meshes.front());
   if (!file) return complain(file.error());
@@ -48,7 +48,7 @@ int checkOne(const CheckArguments& a) {
   return report.print_ready ? kOk : kFailed;
 }
 
-// Several: each under its name, and a count. What can not be read is not ready, and the others are judged all the same.
+// Several: each under its name, and a count. An unreadable file counts as not ready, and the others are still checked.
 int runAll(const CheckArguments& a) {
   json rows = json::array();
   std::size_t ready = 0;

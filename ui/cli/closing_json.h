@@ -1,4 +1,4 @@
-// What a case keeps of its closing, as JSON.
+// Closing results kept in a case, as JSON.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace kerf::cli {
 
-/// Counts are whole numbers; lengths, areas, volumes and shares are not, even where they happen to be.
+/// Counts are written as whole numbers; lengths, areas, volumes and shares are not, even if whole.
 inline nlohmann::json closingJson(const std::map<std::string, double>& numbers) {
   nlohmann::json out = nlohmann::json::object();
   for (const auto& [key, value] : numbers) {

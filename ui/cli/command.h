@@ -1,5 +1,5 @@
-// Shared by the commands of kerf, and by kerf-bench: complaints, JSON, progress. A command is one source; the list of
-// all is commands.h.
+// Shared by the commands of kerf, and by kerf-bench: error output, JSON, progress. Each command is one source;
+// commands.h lists them.
 #pragma once
 
 #include <signal.h>
@@ -18,54 +18,54 @@
 
 namespace kerf::cli {
 
-/// Prints "PROGRAM: MESSAGE" on standard error, one line whatever bytes a file name holds; returns kFailed. With --json
-/// the program also answers {"error": {...}} in the end, unless it has printed other JSON: answerInJson().
+/// Prints "PROGRAM: MESSAGE" on standard error, in one line whichever bytes a file name holds; returns kFailed. With
+/// --json the program also prints {"error": {...}} at its end, unless it has printed other JSON: answerInJson().
 int complain(const Error& error);
-/// The same about a wrong command line; returns kUsage.
+/// The same for a wrong command line; returns kUsage.
 int complainOfUsage(const Error& error);
 
-/// On standard output, indented. Bytes that are no UTF-8 (file names may hold any) become replacement characters.
+/// Prints on standard output, indented. Replaces bytes that are no UTF-8 (possible in file names).
 void printJson(const nlohmann::json& json);
 
-/// Called once, when the command is over and asked for JSON: what was complained of last, if no JSON was printed.
+/// Called once at the end of a command with --json: prints the last error if no JSON was printed.
 void answerInJson();
 
-/// The end of main(), once all options are declared: parses, which runs the callbacks, answers --json and flushes.
+/// The end of main(), once every option is declared: parses, which runs the callbacks, answers --json and flushes.
 /// Without Kerf's data it only answers --help and --version.
-/// @param exit_code  set by the callbacks.    @return what main returns.
+/// @param exit_code  set by the callbacks.    @return  exit code for main.
 int runProgram(CLI::App& app, int argc, const char* const* argv, const int& exit_code);
 
-/// --overwrite, and its old spelling --force, which help does not show: beside --hand force and the forces of devices
-/// it was taken for one of them.
+/// Adds --overwrite, and its old spelling --force, hidden from help: users confused it with --hand force and the forces
+/// of devices.
 void addOverwrite(CLI::App& command, bool& overwrites, const std::string& description);
-/// Error kBadValue if a file is there that the user has not said to replace.
+/// Error kBadValue if the file exists and the user did not allow to replace it.
 Expected<void> requireFree(const std::filesystem::path& file, bool overwrites);
-/// --case FOLDER: where the case of a run is that was moved alone; see setPlacesOfCases(). Repeat for cases beside.
+/// --case FOLDER: place of a run's case after the run was moved alone; see setPlacesOfCases(). Repeat for neighbours.
 void addCasePlaces(CLI::App& command);
 
 /// "3 meshes", "1 piece".
 std::string counted(std::size_t count, const std::string& noun);
 
-/// A line with bar, step and time left on standard error when that is a terminal; nothing otherwise. The first SIGINT,
-/// SIGTERM or SIGHUP makes the callback say no; the second, of either kind, ends the program at once. After SIGTERM or
-/// SIGHUP it also ends, with 128 + the signal, if nobody asks the callback for a second. Where no callback
-/// was taken, the first is put off until the destructor: files are written to their end, then the program ends by it.
-/// The line is erased by the destructor.
+/// Shows bar, step and time left in a line on standard error if that is a terminal. The first SIGINT, SIGTERM or SIGHUP
+/// makes the callback return false. The second, of any kind, ends the program at once. After SIGTERM or SIGHUP the
+/// program also ends, with 128 + the signal, if the work does not call the callback for a second. If no callback was
+/// taken, the destructor handles the first signal: files are complete before the program ends. The destructor erases
+/// the line.
 class TerminalProgress {
  public:
-  /// @param writes_files  false: there is nothing to clean up, and the first signal ends the program at once.
+  /// @param writes_files  false: no clean-up is needed, and the first signal ends the program at once.
   explicit TerminalProgress(bool writes_files = true);
   ~TerminalProgress();
   TerminalProgress(const TerminalProgress&) = delete;
   TerminalProgress& operator=(const TerminalProgress&) = delete;
   Progress callback();
-  /// Erases the line, before something is printed; the next report draws it again.
+  /// Erases the line before other output; the next report draws it again.
   void clear();
 
  private:
   bool is_terminal_, has_looked_up_ = false;
   double start_;
-  std::array<struct sigaction, 3> before_{};  // of each signal: whoever waits for it goes on waiting
+  std::array<struct sigaction, 3> before_{};  // of each signal: restored, so that outer handlers work
   int last_percent_ = -1;
   std::string last_what_;
 };

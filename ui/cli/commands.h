@@ -1,14 +1,13 @@
-// The commands of the program kerf. A new one is a source of its own, its line in CMakeLists.txt, and two lines here:
-// declaration and row. `kerf --help` and the message about an unknown command follow from the table, which only
-// main.cpp reads.
+// The commands of the program kerf. A new command needs a source, its line in CMakeLists.txt, and two lines here:
+// declaration and row. The table, which only main.cpp reads, gives `kerf --help` and the error for an unknown command.
 #pragma once
 
 #include "ui/cli/command.h"
 
 namespace kerf::cli {
 
-/// Gives a command its options, its footer and what to run (as CLI11 callback).
-/// @param command  named and described already.    @param exit_code  what main returns; set by the callback.
+/// Gives a command its options, footer and CLI11 callback.
+/// @param command  with name and description.    @param exit_code  return value of main; set by the callback.
 using AddOptions = void(CLI::App& command, int& exit_code);
 
 AddOptions addBake, addCheck, addCut, addDemo, addDemoMolar, addDevices, addExport, addInfo, addLive, addPick, addPlot,
@@ -18,7 +17,7 @@ struct CommandRow {
   const char* name;     ///< as typed
   const char* summary;  ///< one line of `kerf --help`
   AddOptions* add;
-  const char* group;  ///< heading in `kerf --help`, in the order in which they first come
+  const char* group;  ///< heading in `kerf --help`, in order of first use
 };
 
 inline constexpr const char* kWorkflow = "Commands from scan to mesh";

@@ -67,7 +67,7 @@ std::string responseHelp() {
   return text + "; docs/how-it-works/step.md";
 }
 
-// An option that belongs to another virtual hand than the one asked for. It would be ignored: a mistake of the user's.
+// An option for another virtual hand than the requested one: it would have no effect, so it is a user error.
 std::optional<Error> misplaced(const CLI::App& command, const std::string& hand) {
   for (const CLI::App* group : command.get_subcommands([](const CLI::App*) { return true; })) {
     const std::string& name = group->get_group();
@@ -84,7 +84,7 @@ std::optional<Error> misplaced(const CLI::App& command, const std::string& hand)
   return std::nullopt;
 }
 
-// Of a run that is gone on from.
+// Warnings about a run to continue.
 std::vector<std::string> warningsOf(const RunManifest& m) {
   constexpr double kWorthSaying = 0.01;  // mm^3
   std::vector<std::string> out;
@@ -110,9 +110,9 @@ void tell(const std::vector<std::string>& warnings) {
 
 // ---- Against resistance
 
-// What happened to the cases beside the one that was cut, and what the export of that does not show.
+// Warns of cuts in neighbours, which the export of the object does not show.
 void warnOfNeighbours(const CutArguments& a, const HapticSummary& s) {
-  const std::size_t of_run = s.beside.size() - a.haptic.beside.size();  // that it goes on from
+  const std::size_t of_run = s.beside.size() - a.haptic.beside.size();  // neighbours of the continued run
   for (std::size_t n = 0; n < s.beside.size(); ++n) {
     const HapticSummary::Neighbour& other = s.beside[n];
     const std::string place = n < of_run ? other.case_path : a.haptic.beside[n - of_run].string();
@@ -132,7 +132,7 @@ void warnOfNeighbours(const CutArguments& a, const HapticSummary& s) {
   }
 }
 
-// The run that was gone on from; null: it began with a case.
+// The continued run; null: it began with a case.
 nlohmann::json goesOn(const CutArguments& a) { return isRun(a.case_folder) ? nlohmann::json(a.case_folder) : nullptr; }
 
 nlohmann::json cutJson(const CutArguments& a, const HapticCut& cut) {
@@ -146,8 +146,8 @@ nlohmann::json cutJson(const CutArguments& a, const HapticCut& cut) {
   return j;
 }
 
-// ": enamel 1.2000, dentin 0.3000"; with signs ": enamel +1.2000". A tissue that was hardly touched may have "lost" a
-// little less than nothing, shares of voxels at its border: for people that is none.
+// ": enamel 1.2000, dentin 0.3000"; with signs ": enamel +1.2000". A hardly touched tissue may have "lost" a little
+// less than nothing, shares of voxels at its border: shown as 0.
 std::string byMaterial(const std::map<std::string, double>& volumes, bool with_sign) {
   std::string out;
   for (const auto& [id, volume] : volumes) {
@@ -172,7 +172,7 @@ void printVolumes(const HapticSummary& s, bool is_adding) {
   printText("\n");
 }
 
-// Against what the path asks for.
+// Compares with the planned cut of the path.
 void printPlan(const HapticSummary& s) {
   if (!(s.planned_mm3 > 0)) return;
   const Vec3d& at = s.farthest_off_at;
@@ -193,7 +193,7 @@ void printMonitored(const HapticSummary& s) {
   printText("\n");
 }
 
-// Nothing of a tool that is where its path ends.
+// Empty if the tool is at the end of its path.
 std::string shortOfEnd(const HapticSummary& s) {
   constexpr double kAtEnd = 0.02;  // mm
   return s.short_of_end_mm > kAtEnd ? fmt::format(", {:.2f} mm short of the path's end", s.short_of_end_mm)
@@ -229,13 +229,13 @@ void printCut(const CutArguments& a, const HapticCut& cut) {
   printText("state {}\nrun written: {}\n", s.state_hash, a.output);
 }
 
-// Warns of a tool that is hardly meant, and of one that is too thin for the voxels. A hand cuts on the object's own.
+// Warns of a doubtful tool, and of one too thin for the voxels. A hand cuts on the object's own voxels.
 void warnOfTool(const CutArguments& a, const std::filesystem::path& tool_file, double voxel_mm, bool is_unchanged) {
   const auto tool = readTool(tool_file);
   if (!tool) return;
   if (const std::string doubt = doubtAbout(*tool); !doubt.empty())
     printText(stderr, "kerf: WARNING: {}: {}\n", tool->id, doubt);
-  const bool is_pushed = !a.hand.empty() && a.hand != "feed" && a.haptic.add.empty();  // what is added is not felt
+  const bool is_pushed = !a.hand.empty() && a.hand != "feed" && a.haptic.add.empty();  // added material gives no force
   const Held held = is_pushed ? Held::kByHand : Held::kOnPath;
   if (const auto coarse = tooCoarseFor(*tool, voxel_mm, held))
     printText(stderr, "kerf: WARNING: {}. Bake with --voxel {:.2g} or finer{}\n", coarse->what, coarse->finer_mm,
@@ -243,7 +243,7 @@ void warnOfTool(const CutArguments& a, const std::filesystem::path& tool_file, d
   if (is_unchanged) printText(stderr, "kerf: WARNING: nothing was changed\n");
 }
 
-// Only the law of penalty holds a tool by its core.
+// Only the penalty law holds a tool by its core.
 void warnOfResponse(const CutArguments& a, const std::filesystem::path& tool_file) {
   if (a.response == "penalty" || !a.haptic.add.empty()) return;
   const auto tool = readTool(tool_file);
@@ -254,7 +254,7 @@ void warnOfResponse(const CutArguments& a, const std::filesystem::path& tool_fil
               a.response, tool->id);
 }
 
-// A feed is a machine's: it goes on whatever is left standing. Of a path that was not finished that says nothing.
+// A feed works like a machine: it moves on past remaining material. An unfinished path allows no such warning.
 void warnOfFeed(const CutArguments& a, const HapticSummary& s) {
   constexpr double kEnough = 0.9;  // of the plan
   if (a.hand == "feed" && s.is_complete && s.reached_mm3 < kEnough * s.planned_mm3)
@@ -268,7 +268,7 @@ void warnOfSmallCut(double removed_mm3, double voxel_mm) {
   if (const auto small = smallCut(removed_mm3, voxel_mm)) printText(stderr, "kerf: WARNING: {}\n", *small);
 }
 
-// What the author of the path hardly meant.
+// Path features that the author hardly intended.
 void tell(const PathFindings& found, bool is_adding) {
   if (!found.idle.empty()) {
     constexpr std::size_t kMostNamed = 8;
@@ -322,21 +322,21 @@ int runByHand(const CutArguments& a, const std::filesystem::path& tool) {
 
 // ---- Geometry only
 
-// That short motions were swept as longer ones; nothing if none was.
+// Reports short motions that were merged and swept as longer ones. Empty if there are none.
 std::string mergedLine(const RunManifest& m) {
   if (m.merged_motions == 0) return {};
   return fmt::format("{} short motions were merged: {} were swept, each within {:.2g} mm of the path\n",
                      m.merged_motions, m.swept_motions, m.merge_tolerance_mm);
 }
 
-// What the volumes are of, when it went on from a run.
+// Reference of the volumes after continuing a run.
 std::string earlierLine(const RunManifest& m) {
   if (!m.begin_sha256.empty()) return "since the run that this one goes on from:\n";
   if (m.earlier.empty()) return {};
   return fmt::format("with {} along other paths before it:\n", counted(m.earlier.size(), "cut"));
 }
 
-// What stood beside it in a run that was gone on from is swept, too.
+// The sweep also cuts neighbours of a continued run.
 void tellOfNeighbours(const CutArguments& a, const RunManifest& m) {
   for (std::size_t n = 0; n < m.beside.size(); ++n) {
     const RunManifest::Beside& other = m.beside[n];
@@ -373,7 +373,7 @@ int runGeometry(const CutArguments& a, const std::filesystem::path& tool) {
   tellOfNeighbours(a, *m);
   double removed = 0;
   for (const auto& [id, volume] : m->removed_by_material) removed += volume;
-  // Volumes are counted on the object's own voxels, strokes on those of a fine region where one was cut.
+  // Volumes use the object's own voxels; strokes use those of a fine region if one was cut.
   const bool all_idle = m->findings.idle.size() == m->findings.strokes;
   const bool is_thin = m->thin_mm3 > 0;
   warnOfTool(a, tool, m->voxel_mm, removed < kUnchanged && all_idle && !is_thin);
@@ -435,7 +435,7 @@ constexpr const char* kFooter =
     "  kerf cut molar.case --tool round-014 --path cavity.toml --hand force --push 1.5 -o molar.run\n"
     "  kerf cut 36.case --tool 856-016 --path crown.toml --hand force --beside 35.case --beside 37.case -o 36.run";
 
-// The names of these groups say with which hands they go: misplaced() reads them.
+// misplaced() reads the names of these groups to find their hands.
 void addOptionsOfAnyHand(CLI::App& command, HapticCutOptions& haptic) {
   auto* group = command.add_option_group("With --hand");
   group->add_option("--drive", haptic.drive, handpieceHelp())->check(CLI::IsMember(handpiecesByName()));

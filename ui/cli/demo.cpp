@@ -40,7 +40,7 @@ Expected<DemoAnatomy> arch(const DemoArguments& a, const Progress& progress) {
 }
 
 int runDemo(const DemoArguments& a, Model model) {
-  // Before the work, not after it.
+  // Checks before the work.
   if (const auto possible = AtomicFolder::create(a.output, a.overwrite, a.manifest); !possible)
     return complain(possible.error());
 

@@ -21,7 +21,7 @@ int runDemoMolar(const DemoMolarArguments& a) {
   if (const auto possible = canWriteMesh(a.output); !possible) return complain(possible.error());
   if (const auto free = requireFree(a.output, a.overwrites); !free) return complain(free.error());
 
-  const TerminalProgress guard;  // Ctrl-C waits until no file is half written
+  const TerminalProgress guard;  // Ctrl-C waits for complete files
   const Mesh mesh = demoMolar(a.edge_mm);
   if (const auto written = writeMesh(a.output, mesh); !written) return complain(written.error());
   printText("written: {} ({} triangles, {:.1f} mm3)\n", a.output, mesh.triangles.size(), signedVolume(mesh));

@@ -33,7 +33,7 @@ class Stopwatch {
   steady_clock::time_point began_ = steady_clock::now();
 };
 
-// What the reader's thread hears: kept if it is to be recorded, and how far apart messages come.
+// Takes messages from the reader's thread: keeps them for a recording, and measures their gaps.
 class Ear {
  public:
   Ear(DeviceRecording head, bool records) : tape_(std::move(head), records), records_(records) {}
@@ -46,7 +46,7 @@ class Ear {
     const std::lock_guard lock(mutex_);
     return tape_.gaps();
   }
-  // Once nothing is heard any more.
+  // To call after the last message.
   int write(const ProbeOptions& options) const {
     if (!records_) return kOk;
     if (const auto written = writeRecording(options.record, tape_.recording()); !written)
@@ -73,9 +73,9 @@ int complainOfUnplugged(const std::string& path) {
                    .hint = "plug it in and begin again"});
 }
 
-// ---- What has axes
+// ---- Devices with axes
 
-// Prints what has changed until the time is over. False: it was unplugged.
+// Prints changes until the time is over. False: the device was unplugged.
 bool watch(HidDevice& device, const ProbeOptions& options) {
   const Stopwatch watch;
   const bool prints = options.prints && !options.json;
@@ -119,7 +119,7 @@ int probeAxes(const FoundDevice& found, const ProbeOptions& options) {
   const bool is_connected = watch(**device, options);
   (*device)->update();
   const DeviceReading last = (*device)->reading();
-  device->reset();  // nothing is heard any more
+  device->reset();  // ends the messages
 
   if (const int code = ear.write(options); code != kOk) return code;
   if (options.json) {
@@ -144,7 +144,7 @@ struct LastHand {
   bool has_come = false;
 };
 
-// As watch(). False: it was unplugged.
+// As watch(). False: the device was unplugged.
 bool watchArm(const ForceArm& arm, const ProbeOptions& options, LastHand& out) {
   const Stopwatch watch;
   const bool prints = options.prints && !options.json;
@@ -185,7 +185,7 @@ void sayHow(const ArmCounts& counts, const TimeHistogram& gaps) {
   printText("; {} told the arm that there is no force\n", counted(counts.forces, "message"));
 }
 
-// @param id  of the device, for the recording: "cafe:4004 RawHID arm"; empty: what the arm calls itself.
+// @param id  of the device, for the recording: "cafe:4004 RawHID arm"; empty: the arm's own name.
 int probeArm(const std::string& name, const std::string& id, const std::string& language, const ProbeOptions& options) {
   DeviceRecording head;
   head.arm = language;
@@ -197,14 +197,14 @@ int probeArm(const std::string& name, const std::string& id, const std::string& 
   if (!opened && opened.error().code == Error::Code::kBadValue) return complainOfUsage(opened.error());
   if (!opened) return complain(opened.error());
 
-  // It is never enabled: the frames that it is sent say so.
+  // It is never enabled: all frames sent to it are without force.
   const std::string what = opened->arm->what();
   if (!options.json) printText("{}: no force while it is probed\n", what);
   std::fflush(stdout);
   LastHand last;
   const bool is_connected = watchArm(*opened->arm, options, last);
   const ArmCounts counts = opened->arm->counts();
-  opened->arm.reset();  // nothing is heard any more
+  opened->arm.reset();  // ends the messages
 
   if (const int code = ear.write(options); code != kOk) return code;
   const TimeHistogram gaps = ear.gaps();

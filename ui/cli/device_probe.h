@@ -1,5 +1,5 @@
-// `kerf devices --probe`, `--record` and `--replay`: what a device says, now or when it was recorded. No device is
-// armed for it: an arm that is probed is told at all times that there is no force.
+// `kerf devices --probe`, `--record` and `--replay`: reports of a device, live or recorded. Never arms a device: a
+// probed arm receives only frames without force.
 #pragma once
 
 #include <string>
@@ -7,17 +7,17 @@
 namespace kerf::cli {
 
 struct ProbeOptions {
-  std::string device;  ///< path or serial; of an arm what openArm() takes; empty: the only one
+  std::string device;  ///< path or serial; for an arm a name for openArm(); empty: the only one
   bool prints = false;
   std::string record;  ///< file; empty: none
-  double seconds = 0;  ///< 0: until it is interrupted
+  double seconds = 0;  ///< 0: until an interrupt
   bool json = false;
 };
 
 /// @return  the exit code.
 int probeDevice(const ProbeOptions& options);
 
-/// What the reports of a recording say.
+/// Prints the reports of a recording.
 int printRecording(const std::string& file, bool json);
 
 }  // namespace kerf::cli

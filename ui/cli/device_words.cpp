@@ -31,7 +31,7 @@ nlohmann::json jsonOf(const FoundDevice& found) {
   return out;
 }
 
-// ---- What has axes
+// ---- Devices with axes
 
 nlohmann::json jsonOf(const DeviceReading& r, const std::array<double, 6>& axes) {
   nlohmann::json out = {{"axes", axes},

@@ -1,4 +1,4 @@
-// How `kerf devices` says what is plugged in and what it does: as text and as JSON.
+// Texts and JSON of `kerf devices` for connected devices and their input.
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@ inline constexpr const char* kMayNotOpen =
 std::string idOf(const HidInfo& info);
 nlohmann::json jsonOf(const FoundDevice& found);
 
-/// @param axes  as they count now.
+/// @param axes  after settings.
 std::string textOf(const DeviceReading& reading, const std::array<double, 6>& axes);
 nlohmann::json jsonOf(const DeviceReading& reading, const std::array<double, 6>& axes);
 
@@ -25,8 +25,8 @@ nlohmann::json jsonOf(const DeviceReading& reading, const std::array<double, 6>&
 std::string textOf(const HandFrame& hand, const Vec3d& velocity);
 nlohmann::json jsonOf(const HandFrame& hand, const Vec3d& velocity);
 
-/// How fast a hand is: what it says itself, else by its places over a twentieth of a second, since those of one
-/// millisecond are steps of an encoder.
+/// Speed of a hand: as reported by the device, else from positions over 50 ms, since those over one millisecond are
+/// encoder steps.
 class HandSpeed {
  public:
   /// @return  mm/s.

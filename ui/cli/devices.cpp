@@ -16,16 +16,16 @@ struct DevicesArguments {
   std::string device;  // path or serial
   bool wants_probe = false;
   std::string record, replay;  // files
-  double seconds = 0;          // of probe and recording; 0: until it is interrupted
+  double seconds = 0;          // of probe and recording; 0: until an interrupt
   bool wants_typical = false;
   double delay_ms = 2;
   DeviceProfile profile;
   double wanted = CouplingSettings{}.stiffness;
-  bool is_own = false;  // some number was given
+  bool is_own = false;  // the user gave a number
   bool json = false;
 };
 
-// ---- What a coupling can be
+// ---- Coupling limits
 
 nlohmann::json devicesJson(const std::string& name, const DeviceProfile& p, const DeviceCoupling& c,
                            const CouplingSettings& wanted) {
@@ -71,7 +71,7 @@ int sayCouplings(const DevicesArguments& a) {
   return kOk;
 }
 
-// ---- What is plugged in
+// ---- Connected devices
 
 int listDevices(const DevicesArguments& a) {
   std::vector<FoundDevice> devices = findDevices();

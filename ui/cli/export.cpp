@@ -28,7 +28,7 @@ struct ExportArguments {
   bool is_put_back = false, overwrites = false, json = false;
 };
 
-// A mesh, and the file it goes into.
+// A mesh and its file.
 struct Output {
   std::string path;
   NamedMesh what;
@@ -51,7 +51,7 @@ Error noSuchPiece(const ExportArguments& a, const std::vector<PlacedPiece>& piec
           .hint = "its number or its name"};
 }
 
-// By its number or its name. Teeth have numbers for names: one piece must fit.
+// By number or name. Teeth may have numbers as names: exactly one piece must fit.
 Expected<std::size_t> chosenPiece(const ExportArguments& a, const std::vector<PlacedPiece>& pieces) {
   std::vector<std::size_t> fit;
   for (std::size_t n = 0; n < pieces.size(); ++n)
@@ -68,7 +68,7 @@ Expected<std::size_t> chosenPiece(const ExportArguments& a, const std::vector<Pl
 
 NamedMesh namedPiece(const PlacedPiece& piece) { return {piece.mesh, objectsOf({&piece, 1})}; }
 
-// Pieces where they were moved to, unless they are put back.
+// Pieces at their moved poses, or at their original ones on request.
 Expected<std::vector<Output>> outputsOf(const ExportArguments& a, const Export& result) {
   std::vector<Output> out;
   const bool is_as_in_case = std::none_of(result.pieces.begin(), result.pieces.end(), [&](const RunManifest::Piece& p) {
@@ -97,7 +97,7 @@ Expected<std::vector<Output>> outputsOf(const ExportArguments& a, const Export& 
   return out;
 }
 
-// What the cut took off the other teeth of the scene is in no mesh yet.
+// Warns that this mesh lacks the cuts in other teeth of the scene.
 Expected<void> warnOfExportNeighbours(const std::string& bundle) {
   KERF_TRY(manifest, readRunManifest(bundle));
   for (std::size_t n = 1; n <= manifest.beside.size(); ++n)
@@ -107,8 +107,8 @@ Expected<void> warnOfExportNeighbours(const std::string& bundle) {
   return {};
 }
 
-// The step counts by shares of voxels, the mesh has a surface: where these say two things, one of them is wrong. Of a
-// run whose numbers cannot be read `kerf info` says so. Crumbs that were dropped were not cut.
+// The ledger counts shares of voxels, the mesh has a surface: a disagreement means that one is wrong. `kerf info`
+// reports unreadable numbers of a run. Dropped crumbs were not cut.
 void warnOfLedger(const std::string& bundle, const PostOpReport& mesh) {
   constexpr double kMostApart = 0.02;  // of the volume
   const auto manifest = readRunManifest(bundle);
@@ -131,7 +131,7 @@ void warnOfLedger(const std::string& bundle, const PostOpReport& mesh) {
 void warnOfSmallCut(const std::string& bundle, const PostOpReport& mesh) {
   const auto manifest = readRunManifest(bundle);
   if (!manifest || mesh.added_volume_mm3 > 0) return;
-  // The mesh lacks parts below a voxel.
+  // The mesh lacks parts smaller than a voxel.
   const auto report = readRunSummary(bundle);
   const double counted = report ? report->removed_mm3.value_or(0) : 0;
   if (const auto small = smallCut(counted > 0 ? counted : mesh.removed_volume_mm3, manifest->voxel_mm))
@@ -214,7 +214,7 @@ void printExport(const ExportArguments& a, const std::vector<Output>& outputs, c
   for (const Output& output : outputs) printText("written: {}\n", output.path);
 }
 
-// Neither a scan of ours nor, unless the user says so, anything that is there.
+// Rejects paths of Kerf's scans and, unless the user allows it, existing files.
 Expected<void> requireWritable(const ExportArguments& a, const std::string& path) {
   std::filesystem::path folder = a.bundle;
   if (isRun(a.bundle)) {
@@ -226,7 +226,7 @@ Expected<void> requireWritable(const ExportArguments& a, const std::string& path
   return requireFree(path, a.overwrites);
 }
 
-// For a file a piece a folder may be given, made if need be: NAME.run gives FOLDER/NAME-PIECE.stl.
+// One file per piece may go into a folder, made if missing: NAME.run gives FOLDER/NAME-PIECE.stl.
 Expected<std::vector<std::string>> namesOfOutputs(const ExportArguments& a) {
   namespace fs = std::filesystem;
   std::vector<std::string> out;
@@ -257,10 +257,10 @@ int runExport(const ExportArguments& given) {
   if (!names) return complain(names.error());
   a.outputs = *names;
 
-  // A name that cannot be written costs seconds now, not minutes later, and no file beside it gets written alone.
+  // Checks names before the long work, and before any file of the set is written.
   for (const std::string& path : a.outputs) {
     if (const auto possible = canWriteMesh(path); !possible) return complain(possible.error());
-    if (a.piece == "all") continue;  // files of other names
+    if (a.piece == "all") continue;  // files have other names
     if (const auto free = requireFree(path, a.overwrites); !free) return complain(free.error());
   }
   auto result = [&] {
@@ -269,7 +269,7 @@ int runExport(const ExportArguments& given) {
   }();
   if (!result) return complain(result.error());
 
-  const TerminalProgress guard;  // Ctrl-C waits until no file is half written
+  const TerminalProgress guard;  // Ctrl-C waits for complete files
   const auto outputs = outputsOf(a, *result);
   if (!outputs) return complain(outputs.error());
   for (const Output& output : *outputs)

@@ -27,7 +27,7 @@ json size(const Box3& box) { return point(box.size()); }
 
 Expected<json> meshInfo(const fs::path& path) {
   KERF_TRY(file, readMesh(path));
-  const Box3 box = bounds(file.mesh);  // in its own unit
+  const Box3 box = bounds(file.mesh);  // in the file's unit
   KERF_TRY(unit, chooseUnit(box, "", file.declared_unit));
   for (Vec3d& p : file.mesh.vertices) p *= unit.scale_to_mm;
   json j{{"kind", "mesh"},
@@ -47,7 +47,7 @@ Expected<json> meshInfo(const fs::path& path) {
   return j;
 }
 
-// What a case is made of, and where from: lists and parts that it may lack.
+// Contents and sources of a case: lists and parts that it may lack.
 void addContents(const CaseManifest& m, json& j) {
   for (const CaseMaterial& c : m.materials)
     j["materials"].push_back({{"id", c.id}, {"number", c.number}, {"volume_mm3", c.volume_mm3}});
@@ -107,7 +107,7 @@ Expected<json> caseInfo(const fs::path& folder) {
   addContents(m, j);
   if (m.pair) j["pair"] = pairInfo(*m.pair, folder);
 
-  // Headers alone: whether the fields are those that were baked is checked by what reads them.
+  // Reads only headers: readers of the fields check that they are the baked ones.
   KERF_TRY(grids, inspectVdb(folder / kCaseAnatomy));
   for (const VdbGridInfo& g : grids)
     j["grids"].push_back(
@@ -122,7 +122,7 @@ Expected<json> toolInfo(const fs::path& file) {
   return j;
 }
 
-/// @param missing  why there is no spacing; empty: there is one.
+/// @param missing  reason for a missing spacing; empty: there is one.
 json gridInfo(const LabelVolume& v, const char* kind, const std::string& missing) {
   const auto list = [](const Vec3d& p) { return json{p[0], p[1], p[2]}; };
   json j{{"kind", kind},
@@ -150,7 +150,7 @@ json volumeInfo(const LabelVolume& v, const std::string& missing) {
   return j;
 }
 
-// Intensities: grid and range of values. `why`: the error of reading them as labels.
+// Intensities: grid and value range. `why`: the error of reading them as labels.
 Expected<json> intensityInfo(const fs::path& path, const LabelReadOptions& options, const std::string& missing,
                              const Error& why) {
   const auto summary = summariseVolume(path, options);
@@ -169,8 +169,7 @@ Expected<json> labelVolumeInfo(const fs::path& path) {
   const bool has_spacing = !isOfSpacing(volume.error());
   if (has_spacing) return intensityInfo(path, {}, "", volume.error());
 
-  // Without a spacing the labels can be counted all the same. A file that is damaged is named for that: no spacing
-  // mends it.
+  // Labels can be counted without a spacing. A damaged file gets its own error: a spacing does not mend it.
   const LabelReadOptions ones{.spacing_mm = Vec3d::Ones()};
   const auto unplaced = readLabelVolume(path, ones);
   if (unplaced) return volumeInfo(*unplaced, volume.error().found);
@@ -192,7 +191,7 @@ Expected<json> infoOf(const std::string& what) {
                    .expected = "a folder that holds the slices of one series",
                    .hint = "name one of these folders"});
   if (fs::exists(path, ignored)) return path.extension() == ".toml" ? toolInfo(path) : meshInfo(path);
-  // No such path: perhaps a tool's id.
+  // No such path: perhaps the id of a tool.
   if (const auto tool = findToolFile(what, defaultToolFolders())) return toolInfo(*tool);
   return fail({.code = Error::Code::kNotFound,
                .file = what,
@@ -201,7 +200,7 @@ Expected<json> infoOf(const std::string& what) {
                .hint = "kerf tool list"});
 }
 
-// Keys and values, one a line, indented by depth: JSON for people.
+// Keys and values, one a line, indented by depth: JSON as text.
 void printInfo(const json& j, int depth) {
   for (const auto& [key, value] : j.items()) {
     const std::string indent(static_cast<std::size_t>(2 * depth), ' ');
@@ -226,7 +225,7 @@ void printInfo(const json& j, int depth) {
   }
 }
 
-// What a person asks first comes first: what it is, what was changed or lost, whether it is one piece, how large it is.
+// Prints the most asked values first: kind, changes and losses, number of pieces, size.
 void printLeading(json j) {
   if (j.contains("warnings") && j["warnings"].empty()) j.erase("warnings");
   for (const char* key :
@@ -236,7 +235,7 @@ void printLeading(json j) {
     printInfo(json{{key, j[key]}}, 0);
     j.erase(key);
   }
-  j.erase("closing");  // the changes say it in words
+  j.erase("closing");  // the changes cover it
   printInfo(j, 0);
 }
 
@@ -245,7 +244,7 @@ struct InfoArguments {
   bool json = false, replays = false;
 };
 
-// What is said for people of a run comes first; of the rest what is not in there.
+// Prints the run's text first, then the values missing in it.
 void printRun(const RunReport& report, const json& j) {
   printText("{}\n", runText(report));
   json rest = json::object();

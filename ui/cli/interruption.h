@@ -1,4 +1,4 @@
-// Ctrl-C as a wish: the command ends what it does and writes its files.
+// Handles Ctrl-C: the command ends its work and writes its files.
 #pragma once
 
 #include <array>
@@ -6,7 +6,7 @@
 
 namespace kerf::cli {
 
-/// While it lives the first SIGINT, SIGTERM or SIGHUP sets isInterrupted(); the second one ends the program.
+/// During its lifetime the first SIGINT, SIGTERM or SIGHUP sets isInterrupted(); the second one ends the program.
 class Interruption {
  public:
   Interruption();

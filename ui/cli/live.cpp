@@ -20,8 +20,8 @@ namespace {
 using std::chrono::duration;
 using std::chrono::steady_clock;
 
-// s: a ms each until the bridge's clock, Kerf's thread and the tick come round. Left out, a simulated arm that cut a
-// block was given 2.4 N mm in 9 s; with it, it gave 0.7.
+// s: a ms each for the bridge's clock, Kerf's thread and the tick. Without it, a simulated arm that cut a block
+// received 2.4 N mm in 9 s; with it, it gave 0.7.
 constexpr double kTransport = 0.003;
 
 struct LiveArguments {
@@ -51,7 +51,7 @@ Expected<Vec3d> pointOf(const std::string& text) {
   return out;
 }
 
-// Until the bridge sends its first frame: how stiff the device may be coupled is in it.
+// Waits for the bridge's first frame, which has the device's stiffness limit.
 Expected<HandFrame> waitForHand(const ForceArm& device, double most_s) {
   HandFrame hand;
   for (const auto began = steady_clock::now(); !isInterrupted();) {
@@ -69,7 +69,7 @@ Expected<HandFrame> waitForHand(const ForceArm& device, double most_s) {
                .hint = counts.trouble + "; a bridge to try: kerf-bridge-simulated (docs/reference/device-bridge.md)"});
 }
 
-// The session itself; says when the hand comes and goes. A latch is cleared once the hand has been back for a while.
+// Runs the session and reports when the hand comes and goes. Clears a latch some time after the hand is back.
 void follow(LiveRun& run, const ForceArm& device, const LiveArguments& a) {
   constexpr double kBack = 0.3;  // s
   const auto began = steady_clock::now();

@@ -1,4 +1,4 @@
-// kerf: everything Kerf does, without a window.
+// kerf: all functions of Kerf without a window.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -22,7 +22,7 @@ void addCommands(CLI::App& app, int& exit_code) {
     row.add(*app.add_subcommand(row.name, row.summary)->group(row.group), exit_code);
 }
 
-// Of a command it does not know CLI11 only says that one is required.
+// For an unknown command CLI11 only reports that one is required.
 bool isKnown(const std::string& word) {
   if (word.starts_with("-")) return true;
   std::string known;

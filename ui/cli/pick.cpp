@@ -35,7 +35,7 @@ struct PickArguments {
   bool json = false;
 };
 
-// What is looked at: a surface in mm, and of what it is made if that is known.
+// Picked object: a surface in mm, and its materials if known.
 struct Picked {
   Mesh mesh;
   std::string note;
@@ -99,7 +99,7 @@ Error wrongOption(const char* option, const std::string& found, const char* expe
           .hint = hint};
 }
 
-// Where to look, in mm to the right and up in the view, from the scan's origin.
+// Place in the view, in mm to the right and up, from the scan's origin.
 struct Place {
   std::string asked;
   double right = 0, up = 0;

@@ -38,7 +38,7 @@ bool isSvg(const fs::path& file) {
   return ending == ".svg";
 }
 
-// What is wrong with the command line.
+// Errors of the command line.
 std::optional<Error> wrongUsage(const PlotArguments& a) {
   if (!isSvg(a.output))
     return Error{.code = Error::Code::kBadValue,

@@ -1,4 +1,4 @@
-// kerf recover: sessions whose program is gone: which there are; one is brought to its end, or discarded.
+// kerf recover: lists sessions of programs that have died, and completes or discards one.
 #include <fmt/format.h>
 
 #include <memory>

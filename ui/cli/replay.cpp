@@ -1,4 +1,4 @@
-// kerf replay: a recorded session again, and whether it is the same.
+// kerf replay: repeats a recorded session and compares the results.
 #include "sim/run/replay.h"
 
 #include <fmt/format.h>

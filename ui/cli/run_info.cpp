@@ -19,7 +19,7 @@ json orNull(const std::optional<T>& value) {
   return value ? json(*value) : json();
 }
 
-// Tissues that were loaded, then what else was removed.
+// Loaded tissues, then other removed ones.
 std::vector<std::string> tissuesOf(const RunReport& r) {
   std::vector<std::string> out;
   for (const auto* volumes : {&r.loaded_by_material, &r.removed_by_material, &r.planned_by_material})
@@ -82,13 +82,13 @@ void addMoved(const RunManifest& m, json& j) {
   }
 }
 
-// ---- For people
+// ---- As text
 
 std::string at(const std::optional<double>& at_s) { return at_s ? fmt::format(" at {:.2f} s", *at_s) : ""; }
 
 std::string percent(double share) { return fmt::format("{:.{}f} %", 100 * share, share < 0.1 ? 2 : 1); }
 
-// A tissue that was hardly touched may have "lost" less than nothing: shares of voxels at its border. For people: none.
+// A hardly touched tissue may have "lost" less than nothing: shares of voxels at its border. The text shows 0.
 double noneBelow(double removed) { return std::max(0.0, removed); }
 
 void printRunVolumes(const RunReport& r, std::string& out) {
@@ -145,7 +145,7 @@ std::string nameOf(const std::string& id) {
 }
 
 void printPeaks(const RunReport& r, std::string& out) {
-  // Of a stroke that was taken back, where it was worse there.
+  // Worse peak of an undone stroke.
   const auto back = [](const RunReport::Peak* peak, const char* unit) {
     if (!peak) return std::string();
     return fmt::format(" ({:.2f} {}{} in a stroke taken back)", std::abs(peak->value), unit, at(peak->at_s));
@@ -176,7 +176,7 @@ void printPeaks(const RunReport& r, std::string& out) {
     if (!when) return std::string();
     return *when ? fmt::format("; {} first at {:.2f} s", what, **when) : fmt::format("; {} never", what);
   };
-  // What a case has not can not be too warm; where its tissues are not known both are said.
+  // Omits limits of tissues that the case lacks. Gives both if its tissues are unknown.
   const auto may_have = [&r](const char* id) {
     return r.loaded_by_material.empty() || r.loaded_by_material.contains(id);
   };

@@ -1,4 +1,4 @@
-// What `kerf info` says of a run: first what a trainer asks, then the technical rest.
+// Run part of `kerf info`: results for trainers first, then technical data.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -8,10 +8,10 @@
 
 namespace kerf::cli {
 
-/// All of it, units in the keys; null: it never was, or is not known, and then "missing" says why.
+/// All data, units in the keys. Null: never measured or unknown; "missing" gives the reason.
 nlohmann::json runJson(const RunReport& report);
 
-/// The same for people, without the technical rest: lines, each ended.
+/// The same as text without the technical data: lines, each ended.
 std::string runText(const RunReport& report);
 
 }  // namespace kerf::cli

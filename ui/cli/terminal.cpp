@@ -19,15 +19,14 @@ namespace kerf::cli {
 namespace {
 
 std::atomic<int> interrupted{0};    // by this signal
-std::atomic<bool> is_asked{false};  // somebody has taken a callback
+std::atomic<bool> is_asked{false};  // a callback was taken
 static_assert(std::atomic<int>::is_always_lock_free && std::atomic<bool>::is_always_lock_free,
               "set from a signal handler");
 
 constexpr std::array kTerminalSignals = {SIGINT, SIGTERM, SIGHUP};
 
-// Work that is asked to stop looks up within a second, or is ended. Once it has looked up it has two more to clean up.
-// Ending it is safe at any time: what it began to write lies beside, never in the place of something else, and is swept
-// by the next run.
+// Stopped work must call its callback within a second, or the program ends. It then has two more seconds to clean up.
+// Ending is always safe: partial files lie beside their targets, and the next run sweeps them.
 constexpr unsigned kToLookUp = 1, kToCleanUp = 2;  // s
 
 void endAtOnce(int) { ::_exit(128 + interrupted); }
@@ -43,7 +42,7 @@ void onSignal(int signal) {
 
 constexpr char kEraseLine[] = "\r\033[K";
 
-// Of work that leaves nothing behind.
+// For work without files.
 void eraseAndEnd(int signal) {
   if (isatty(STDERR_FILENO) == 1 && ::write(STDERR_FILENO, kEraseLine, sizeof kEraseLine - 1) < 0)
     ::_exit(128 + signal);
@@ -57,7 +56,7 @@ double seconds() { return std::chrono::duration<double>(std::chrono::steady_cloc
 
 namespace {
 
-// What answerInJson() has to say.
+// The error for answerInJson().
 std::optional<Error> complained_of;
 bool has_printed_json = false;
 
@@ -102,7 +101,7 @@ int runProgram(CLI::App& app, int argc, const char* const* argv, const int& exit
   }
   answered(exit_code);
 
-  // A report that did not arrive (full disk behind a redirection) is no success.
+  // A lost report (full disk behind a redirection) is a failure.
   if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
     return complain({.code = Error::Code::kWriteFailed, .place = "standard output", .found = "could not be written"});
   return exit_code;
@@ -142,8 +141,7 @@ std::string counted(std::size_t count, const std::string& noun) {
 }
 
 TerminalProgress::TerminalProgress(bool writes_files) : is_terminal_(isatty(STDERR_FILENO) == 1), start_(seconds()) {
-  // The first Ctrl-C, or polite end from outside, asks the work to stop and clean up; the second one, whichever of them
-  // it is, kills.
+  // The first signal asks the work to stop and clean up; the second one, of any kind, kills.
   struct sigaction action {};
   action.sa_handler = writes_files ? onSignal : eraseAndEnd;
   for (std::size_t n = 0; n < kTerminalSignals.size(); ++n) {
@@ -156,12 +154,12 @@ TerminalProgress::TerminalProgress(bool writes_files) : is_terminal_(isatty(STDE
 TerminalProgress::~TerminalProgress() {
   clear();
   ::alarm(0);
-  bool is_awaited = !is_asked;  // or somebody around this work waits for a signal: Interruption
+  bool is_awaited = !is_asked;  // or an outer handler waits for a signal: Interruption
   for (std::size_t n = 0; n < kTerminalSignals.size(); ++n) {
     sigaction(kTerminalSignals[n], &before_[n], nullptr);
     is_awaited |= kTerminalSignals[n] == interrupted && before_[n].sa_handler != SIG_DFL;
   }
-  if (is_awaited && interrupted != 0) std::raise(interrupted);  // it was put off, not swallowed
+  if (is_awaited && interrupted != 0) std::raise(interrupted);  // delayed, not swallowed
 }
 
 void TerminalProgress::clear() {

@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 constexpr const char* kToolCopy = "tool.toml";
 constexpr const char* kMeshKind = "mesh";
 
-// Of all sub-commands together: each reads its own.
+// Options of all sub-commands; each reads its own.
 struct ToolArguments {
   std::vector<std::string> tools;
   std::vector<std::string> words;
@@ -38,7 +38,7 @@ struct ToolArguments {
   bool json = false, overwrite = false, all = false;
 };
 
-// Whether a text holds a word, upper or lower case.
+// True if a text holds a word, ignoring case.
 bool mentions(const std::string& text, const std::string& word) {
   const auto same = [](char a, char b) {
     return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
@@ -222,7 +222,7 @@ int check(const ToolArguments& a) {
   return passed == files->size() ? kOk : kFailed;
 }
 
-// What its bricks take while they are written: sampled, and once more as OpenVDB's leaves.
+// Memory of its bricks during writing: sampled, and once more as OpenVDB's leaves.
 Expected<void> requireMemory(const Tool& tool, double voxel, const Progress& progress) {
   constexpr std::uint64_t kBrickBytes = 5000;
   const std::uint64_t most = internal::availableMemory() / 5 * 4;
@@ -295,7 +295,7 @@ int draw(const ToolArguments& a) {
   return kOk;
 }
 
-// The text of a new tool file: of a bur by its head, of a blade by its motion, of a mesh.
+// The text of a new tool file: a bur by its head, a blade by its motion, a mesh.
 Expected<std::string> newToolText(const std::string& name, const std::string& id) {
   if (const HeadShape* shape = findHeadShape(name)) return toolTemplate(*shape, id);
   if (const BladeMotion* motion = findBladeMotion(name)) return bladeTemplate(*motion, id);
@@ -321,7 +321,7 @@ Expected<std::string> newToolText(const std::string& name, const std::string& id
                .hint = !near.empty() ? near : "reciprocating, sagittal or piezo for a saw, spin for a disc"});
 }
 
-// Whether a tool of that id can be written to that file: a tool's id is its file's name.
+// Checks that a tool of that id can be written to that file: the id is the file's name.
 Expected<void> requireUsable(const std::string& id, const fs::path& output, bool overwrite) {
   if (id.empty() || id.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-") != std::string::npos)
     return fail({.code = Error::Code::kBadValue,

@@ -12,8 +12,8 @@
 namespace kerf::cli {
 namespace {
 
-// A tool of a mesh turns about its axis. One that is long in another direction, or lies beside its axis, has hardly the
-// axis that is meant.
+// A mesh tool turns about its axis. If it is long in another direction, or lies beside its axis, the axis is probably
+// wrong.
 std::string doubtAboutAxis(const Mesh& mesh) {
   double area = 0;
   Vec3d middle = Vec3d::Zero();
@@ -26,7 +26,7 @@ std::string doubtAboutAxis(const Mesh& mesh) {
   middle /= area;
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    // Of all points of a triangle, not of its middle: a rod may be a box of twelve.
+    // Covers all points of a triangle, not only its middle: a rod may be a box of twelve.
     const double weight = doubleAreaVector(mesh, t).norm() / area / 12;
     Vec3d sum = Vec3d::Zero();
     for (int k = 0; k < 3; ++k) {

@@ -1,4 +1,4 @@
-// What a tool file may say, and hardly means.
+// Valid but unlikely values of a tool file.
 #pragma once
 
 #include <string>
@@ -7,8 +7,8 @@
 
 namespace kerf::cli {
 
-/// A sentence about a tool that is allowed and unusual: a mesh that is longest across the axis about which it turns, a
-/// head ten times too wide. Empty for most. @cost O(triangles) of a tool that is a mesh.
+/// A sentence about a valid but unusual tool: a mesh longest across its rotation axis, a head ten times too wide. Empty
+/// for most. @cost O(triangles) of a mesh tool.
 std::string doubtAbout(const Tool& tool);
 
 }  // namespace kerf::cli

@@ -38,7 +38,7 @@ struct TrimArguments {
   bool overwrites = false, json = false;
 };
 
-// ---- What is cut
+// ---- The object to cut
 
 struct Source {
   Mesh solid;
@@ -47,13 +47,13 @@ struct Source {
   std::string note;
 };
 
-// A mesh file that is a solid already: what is open is closed by kerf bake, which says what it changes.
+// Reads a mesh file that is a solid already. kerf bake closes open ones and reports its changes.
 Expected<Source> readSolidMesh(const TrimArguments& a) {
   KERF_TRY(read, readMeshInMm(a.what, a.unit));
   Source out;
   out.solid = std::move(read.mesh);
   out.note = std::move(read.note);
-  if (read.unit != "mm")  // what is written is in single precision
+  if (read.unit != "mm")  // output is in single precision
     for (Vec3d& p : out.solid.vertices) p = p.cast<float>().cast<double>();
   out.names = ObjectNames::ofMesh(out.solid, read.objects);
   const MeshReport report = checkMesh(out.solid);
@@ -89,7 +89,7 @@ Expected<Source> readSource(const TrimArguments& a) {
   return out;
 }
 
-// ---- Where it is cut
+// ---- The cutting planes
 
 struct Cut {
   std::vector<Plane> planes;
@@ -105,7 +105,7 @@ Error wrongTrimOption(const char* option, const std::string& found, const char* 
           .hint = hint};
 }
 
-// Six planes around the room between two corners.
+// Six planes around the box between two corners.
 Expected<void> addBox(const std::string& word, Cut& cut) {
   KERF_TRY(corners, twoPointsOfWord(word, "--box"));
   Box3 box;
@@ -120,7 +120,7 @@ Expected<void> addBox(const std::string& word, Cut& cut) {
   return {};
 }
 
-// A plane through each point, square to the line between: what lies between them there.
+// A plane through each point, perpendicular to their connection: cuts off the part between them.
 Expected<void> addBetween(const std::string& word, Cut& cut) {
   KERF_TRY(ends, twoPointsOfWord(word, "--between"));
   const Vec3d way = ends[1] - ends[0];
@@ -150,7 +150,7 @@ Expected<Cut> cutOf(const TrimArguments& a, const Mesh& solid) {
   return out;
 }
 
-// ---- What is written
+// ---- Output
 
 struct TrimOutput {
   std::string path;
@@ -186,7 +186,7 @@ Expected<void> requireNew(const TrimArguments& a, const Source& source, const st
                .hint = "another name or folder"});
 }
 
-// A piece of a part: several planes may cut off more than the one that was meant.
+// One piece of a part: several planes may cut off more than the intended one.
 struct PieceAt {
   double volume_mm3 = 0;
   Vec3d middle = Vec3d::Zero();
@@ -279,7 +279,7 @@ Expected<void> trim(const TrimArguments& a) {
     return fail(std::move(result).error());
   }
 
-  const TerminalProgress guard;  // Ctrl-C waits until no file is half written
+  const TerminalProgress guard;  // Ctrl-C waits for complete files
   const std::vector<TrimOutput> outputs = trimOutputsOf(a, cut, *result);
   for (const TrimOutput& output : outputs) {
     KERF_CHECK(requireNew(a, source, output.path));

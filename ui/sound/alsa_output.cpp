@@ -24,7 +24,7 @@ tl::unexpected<Error> refuse(int code) {
 
 void ignoreMessage(const char*, int, const char*, int, const char*, ...) {}
 
-// Non-blocking: a device that hangs is given up, and its thread can be ended.
+// Non-blocking: Kerf gives up a hanging device, and its thread can end.
 class AlsaOutput final : public SoundOutput {
  public:
   explicit AlsaOutput(snd_pcm_t* pcm) : pcm_(pcm) {}
@@ -61,7 +61,7 @@ class AlsaOutput final : public SoundOutput {
 }  // namespace
 
 Expected<std::unique_ptr<SoundOutput>> openAlsa() {
-  // What fails is said once, by us.
+  // Kerf reports a failure itself, once.
   snd_lib_error_set_handler(ignoreMessage);
 
   snd_pcm_t* pcm = nullptr;

@@ -5,8 +5,8 @@
 
 namespace kerf {
 
-/// Any thread; may take a second. About 40 ms of sound wait in the device.
-/// Error kUnsupported: there is no device, it is taken, or Kerf was built without ALSA.
+/// Any thread; may take a second. The device buffers about 40 ms of sound.
+/// Error kUnsupported: no device, the device is in use, or Kerf was built without ALSA.
 Expected<std::unique_ptr<SoundOutput>> openAlsa();
 
 }  // namespace kerf

@@ -8,12 +8,12 @@
 namespace kerf {
 namespace {
 
-// Of full scale, at full volume and full load. A drive in air reaches a seventh of that: Vibration.
+// Share of full scale at full volume and full load. A drive in air reaches a seventh of that: Vibration.
 constexpr double kMostGain = 1;
-// Of the free speed: below that a drive stands still to the ear.
+// Share of the free speed: below it a drive sounds like standing still.
 constexpr double kLeastSpeed = 0.02;
 
-// Loudness to amplitude: the ear hears ratios.
+// Loudness to amplitude: hearing follows ratios.
 double gainOf(double volume) noexcept {
   const double v = internal::usable(volume, 1);
   return kMostGain * v * v;
@@ -38,7 +38,7 @@ DrillSoundInput drillSoundOf(const HapticReport& report, const Tool& tool, const
 DrillSound::DrillSound(double rate) : rate_(std::clamp(rate, 8000.0, 192000.0)), vibration_({}, rate_) {}
 
 void DrillSound::render(const DrillSoundInput& in, std::span<float> out) noexcept {
-  // Another tool begins when the one before is silent.
+  // Another tool begins when the previous one is silent.
   if (isSilent() && in.is_running && !isSame(source_, in.source)) {
     vibration_ = Vibration(in.source, rate_);
     source_ = in.source;
@@ -52,7 +52,7 @@ void DrillSound::render(const DrillSoundInput& in, std::span<float> out) noexcep
     return;
   }
 
-  // One that begins is at its pitch at once, one that ends stays at it.
+  // A starting drive is at its pitch at once, an ending one keeps its pitch.
   if (is_heard) {
     const double share = isSilent() ? 1 : 1 - std::exp(-static_cast<double>(out.size()) / (rate_ * kFollowSeconds));
     speed_ += share * (internal::usable(std::abs(in.now.speed), 1e9) - speed_);

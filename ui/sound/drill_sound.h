@@ -1,9 +1,9 @@
-// The sound of the drive in hand, as samples for a loudspeaker: what is recorded of a run (sim/monitor/vibration.h),
-// rendered while it is cut.
+// The sound of the drive in hand, as samples for a loudspeaker: the vibration recorded of a run
+// (sim/monitor/vibration.h), rendered live.
 //
-// Pitch is the drive's speed, and falls with load as a dentist hears it; level and hiss grow with load. What it is told
-// comes some 60 times a second: speed and load follow within 20 ms, so that pitch glides. Start, stop and another tool
-// fade within 30 ms: no sample jumps. Of no effect on what is cut, and in no log.
+// Pitch is the drive's speed and falls with load, as a dentist hears it. Level and hiss grow with load. Input comes
+// some 60 times a second; speed and load follow within 20 ms, so pitch glides. Start, stop and another tool fade within
+// 30 ms: no sample jumps. No effect on the cut or on any log.
 #pragma once
 
 #include <span>
@@ -14,18 +14,18 @@
 
 namespace kerf {
 
-/// What is to be heard now. A value: crosses threads by copy.
+/// Present target of the sound. A value: crosses threads by copy.
 struct DrillSoundInput {
-  VibrationSource source;  ///< of the tool: another one begins when the one before has faded
+  VibrationSource source;  ///< of the tool; a new one begins after the previous one has faded
   VibrationInput now;
-  double volume = 0;        ///< 0 to 1, as loud as it seems
+  double volume = 0;        ///< 0 to 1, in perceived loudness
   bool is_running = false;  ///< false: fades out
 };
 
-/// Of the newest tick.   @param volume  0 to 1.
+/// State at the newest tick.   @param volume  0 to 1.
 DrillSoundInput drillSoundOf(const HapticReport& report, const Tool& tool, const ToolDrive& drive, double volume);
 
-/// A value; belongs to the thread that renders.
+/// A value, owned by the rendering thread.
 class DrillSound {
  public:
   static constexpr double kFadeSeconds = 0.03, kFollowSeconds = 0.02;
@@ -34,17 +34,17 @@ class DrillSound {
   explicit DrillSound(double rate);
 
   /// The next samples, each in [-1, 1]. Exactly 0 once it has faded out.   No allocation, no lock.
-  /// @cost about 30 ns a sample; nothing while it is silent.
+  /// @cost about 30 ns a sample; none in silence.
   void render(const DrillSoundInput& in, std::span<float> out) noexcept;
-  /// Hz, of the drive as it is heard now.
+  /// Present audible pitch of the drive, Hz.
   double frequency() const noexcept { return vibration_.frequency(); }
   bool isSilent() const noexcept { return gain_ == 0; }
 
  private:
   double rate_;
   Vibration vibration_;
-  VibrationSource source_;       // that is heard
-  double speed_ = 0, load_ = 0;  // as they are heard
+  VibrationSource source_;       // now audible
+  double speed_ = 0, load_ = 0;  // now audible
   double gain_ = 0;
 };
 

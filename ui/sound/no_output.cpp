@@ -1,4 +1,4 @@
-// In the place of alsa_output.cpp where ALSA's headers were not found.
+// Replaces alsa_output.cpp if ALSA's headers are missing.
 #include "ui/sound/alsa_output.h"
 
 namespace kerf {

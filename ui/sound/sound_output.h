@@ -1,4 +1,4 @@
-// Where samples go: a sound card, or what a test listens with.
+// Sink of samples: a sound card, or a test's recorder.
 #pragma once
 
 #include <functional>
@@ -14,7 +14,7 @@ class SoundOutput {
   static constexpr double kRate = 48000;  ///< samples per second, one channel
 
   virtual ~SoundOutput() = default;
-  /// Takes samples in [-1, 1]; waits until there is a place for them, a second at most. One thread.
+  /// Takes samples in [-1, 1]; waits for free space, a second at most. One thread.
   /// Error kUnsupported: the device is gone.
   virtual Expected<void> write(std::span<const float> samples) = 0;
 };

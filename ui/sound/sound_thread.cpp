@@ -10,20 +10,20 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Keeps a thread that no device holds up at the pace of the clock.
+// Keeps the thread at the pace of the clock if the device does not block.
 class Pace {
  public:
   void add(std::size_t samples) {
     const auto now = Clock::now();
     end_ += std::chrono::duration_cast<Clock::duration>(
         std::chrono::duration<double>(static_cast<double>(samples) / SoundOutput::kRate));
-    if (end_ < now) end_ = now;  // what was late is not caught up
+    if (end_ < now) end_ = now;  // does not catch up after a delay
     if (end_ - now > kMostAhead) std::this_thread::sleep_for(end_ - now - kMostAhead);
   }
 
  private:
   static constexpr std::chrono::duration<double> kMostAhead{SoundThread::kMostAheadSeconds};
-  Clock::time_point end_ = Clock::now();  // of what was rendered, if it is heard from the beginning on
+  Clock::time_point end_ = Clock::now();  // end of the rendered sound, played from its beginning
 };
 
 }  // namespace

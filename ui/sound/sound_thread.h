@@ -1,4 +1,4 @@
-// Renders and plays the sound of the drive on a thread of its own. Who says what is to be heard never waits for it.
+// Renders and plays the drive's sound on a separate thread. The caller of play() never waits for it.
 #pragma once
 
 #include <atomic>
@@ -11,26 +11,26 @@
 
 namespace kerf {
 
-/// Without a device it ends by itself: all is silent, and takeError() says why, once.
+/// Without a device it ends by itself: silence, and takeError() gives the reason once.
 class SoundThread {
  public:
-  /// So many samples are rendered at a time: 5 ms.
+  /// Samples per block: 5 ms.
   static constexpr std::size_t kBlock = 256;
-  /// What was said last holds so long: who has stopped to say anything is not heard for ever.
+  /// Lifetime of the last play(): the sound stops when the caller does.
   static constexpr double kStaleSeconds = 0.5;
-  /// No more is rendered ahead of the clock, for a device that takes all at once as ALSA's "null" does.
+  /// Limit of rendering ahead of the clock, for a device that takes all at once, such as ALSA's "null".
   static constexpr double kMostAheadSeconds = 0.1;
 
   /// @param open  called on the thread.
   explicit SoundThread(OpenSound open);
-  /// Waits for the block under way, or for `open`: a second at most with ALSA.
+  /// Waits for the current block, or for `open`: a second at most with ALSA.
   ~SoundThread();
   SoundThread(const SoundThread&) = delete;
   SoundThread& operator=(const SoundThread&) = delete;
 
-  /// What is to be heard from now on; the newest counts. For one thread. Never waits.
+  /// Sets the sound from now on; the newest call counts. For one thread. Never waits.
   void play(const DrillSoundInput& now) noexcept;
-  /// Why nothing is heard any more; once.
+  /// The reason for silence; once.
   std::optional<Error> takeError();
 
  private:

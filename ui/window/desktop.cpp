@@ -57,7 +57,7 @@ Expected<void> Desktop::open(int width, int height) {
 
   glfwMakeContextCurrent(window_);
   glfwSwapInterval(1);
-  listen();  // before Dear ImGui, which passes on what it gets of all but keys
+  listen();  // before Dear ImGui, which passes on all its events but keys
   ImGui::CreateContext();
   ImGui::GetIO().IniFilename = nullptr;  // leaves no file behind in the working folder
   ImGui_ImplGlfw_InitForOpenGL(window_, true);
@@ -93,7 +93,7 @@ void Desktop::listen() {
   });
 }
 
-// In the place of Dear ImGui's own: beginFrame() passes on what it can take.
+// Replaces Dear ImGui's callbacks: beginFrame() passes on the events that fit.
 void Desktop::listenToKeys() {
   using Kind = InputEvent::Kind;
   glfwSetKeyCallback(window_, [](GLFWwindow* w, int key, int scancode, int action, int modifiers) {

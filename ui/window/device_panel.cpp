@@ -61,7 +61,7 @@ void drawButtons(std::uint64_t down, std::initializer_list<const char*> names) {
   }
 }
 
-// ---- The places its hand has reached, from above and from the side, and the force on it
+// ---- The places reached by the hand, from above and from the side, and its force
 
 struct Side {
   const char* name;
@@ -171,7 +171,7 @@ void drawChoices(AppContext& context) {
     value = static_cast<double>(now);
     is_set = true;
   };
-  constexpr double kHighForce = 8, kHighScale = 2;  // beyond: by command
+  constexpr double kHighForce = 8, kHighScale = 2;  // farther: by command
   slider("##most", choice.most_force, ArmChoice::kLeastForce, std::max(kHighForce, choice.most_force),
          "at most %.1f N");
   slider("##scale", choice.scale, ArmChoice::kLeastScale, std::max(kHighScale, choice.scale),
@@ -254,7 +254,7 @@ void drawDevicePanel(AppContext& context, const DevicePanelState& state) {
   ImGui::SetNextWindowPos({io.DisplaySize.x - scaled(kPanelWidth) - 24, ImGui::GetFrameHeight() + 8},
                           ImGuiCond_Appearing, {1, 0});
   ImGui::SetNextWindowSize({scaled(kWidth), 0}, ImGuiCond_Always);
-  ImGui::SetNextWindowBgAlpha(1);  // it stands over other panels
+  ImGui::SetNextWindowBgAlpha(1);  // covers other panels
   ui::begin("Devices", &context.shows_device, ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
   drawArm(context);
   drawKnob(state);

@@ -1,5 +1,5 @@
-// The panel about devices: the force-feedback arm, live, with what bounds it and what is missing; the SpaceMouse, and
-// the gamepad or joystick.
+// The device panel: the force-feedback arm live, with its limits and missing parts; the SpaceMouse, and the gamepad or
+// joystick.
 #pragma once
 
 #include <optional>
@@ -14,16 +14,16 @@ namespace kerf {
 
 /// State of the SpaceMouse, and of the gamepad or joystick.
 struct DevicePanelState {
-  std::optional<SpaceMouseState> knob{};  ///< none: there is none
+  std::optional<SpaceMouseState> knob{};  ///< none: not connected
   std::string knob_name{}, knob_trouble{};
-  std::optional<Battery> knob_battery{};  ///< none: it has told of none
+  std::optional<Battery> knob_battery{};  ///< none: not reported
 
   std::optional<GamepadState> pad{};  ///< none: neither gamepad nor joystick
   std::string pad_name{};
   bool is_joystick = false, can_pad_shake = false;
 };
 
-/// Nothing if it is not shown: device.panel.
+/// Draws nothing while hidden: device.panel.
 void drawDevicePanel(AppContext& context, const DevicePanelState& state);
 
 }  // namespace kerf

@@ -20,7 +20,7 @@ using Stage = ExportPlan::Stage;
 
 constexpr float kExportWidth = 480, kFindingsHeight = 170;
 
-// ---- What is decided
+// ---- Choices
 
 void drawWhat(ExportPlan& plan) {
   const std::vector<ExportOffer> offers = plan.offers();
@@ -69,7 +69,7 @@ void drawWhere(ExportPlan& plan, const std::function<void(const AppCommand&)>& a
   ImGui::PopTextWrapPos();
 }
 
-// ---- What the check says
+// ---- Result of the check
 
 void drawExportProgress(AppContext& context) {
   const AnyJob* const job = context.bench.job();
@@ -109,7 +109,7 @@ void drawExportFindings(ExportPlan& plan) {
   ImGui::EndChild();
 }
 
-// ---- What goes on
+// ---- Progress
 
 void runExport(AppContext& context, const char* id) {
   if (const auto done = runAppCommand(context, id); !done) context.bench.complain(done.error());

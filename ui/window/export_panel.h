@@ -1,4 +1,4 @@
-// The panel in which an export is decided: what, format, where to, and what the check says before anything is written.
+// The export panel: pieces, format, path, and the result of the check before Kerf writes.
 #pragma once
 
 #include <functional>
@@ -7,11 +7,12 @@
 
 namespace kerf {
 
-/// Nothing while bench.exporting() is not shown.   @param ask_for_file  asks for a path, then runs the command with it.
+/// Draws nothing unless bench.exporting() is shown.   @param ask_for_file  asks for a path, then runs the command with
+/// it.
 void drawExportPanel(AppContext& context, const std::function<void(const AppCommand&)>& ask_for_file);
 
-/// The keys Enter and Escape, which are the panel's while it is shown: whatever is typed, and however short the tap.
-/// @return  false: it is not shown.
+/// The panel's keys Enter and Escape: they work during text input, and however short the tap.
+/// @return  false: the panel is hidden.
 bool exportPanelKey(AppContext& context, bool is_enter);
 
 }  // namespace kerf

@@ -67,7 +67,7 @@ bool FileBrowser::isListed(const Entry& entry) const {
   return (format && format->read) || (purpose_ == Purpose::kOpen && ending == ".toml");
 }
 
-// @param adds  to what is chosen already, or takes it off that; else it is the only one.
+// @param adds  toggles the entry in the choice; else it becomes the only one.
 void FileBrowser::choose(const Entry& entry, bool adds) {
   const auto known = std::find(others_.begin(), others_.end(), entry.name);
   if (adds && known != others_.end()) {

@@ -1,4 +1,4 @@
-// Choosing a file inside the window: works on any display, and in tests.
+// A file dialog inside the window: works on any display, and in tests.
 #pragma once
 
 #include <filesystem>
@@ -11,19 +11,19 @@ namespace kerf {
 class FileBrowser {
  public:
   enum class Purpose { kOpen, kSave };
-  /// Shows it at the next draw(). @param name  suggested, for kSave.   @param takes_several  Ctrl and a click choose
-  /// further files: takeOthers().
+  /// Shows the browser at the next draw(). @param name  suggested, for kSave.   @param takes_several  Ctrl and a click
+  /// choose further files: takeOthers().
   void show(Purpose purpose, const std::string& name = {}, bool takes_several = false);
   bool isShown() const { return is_shown_; }
-  /// Where it is, and where it begins when it is shown next; one that is gone changes nothing.
+  /// Current folder, and the first one at the next show. Setting a missing folder changes nothing.
   const std::filesystem::path& folder() const { return folder_; }
   void setFolder(const std::filesystem::path& folder);
-  /// The keys Enter and Escape: a tap shorter than a frame counts, which Dear ImGui would miss.
+  /// Enter and Escape. A tap shorter than a frame counts; Dear ImGui would miss it.
   void accept() { is_accepted_ = true; }
   void cancel() { is_escaped_ = true; }
-  /// Draws it, if it is shown. @return what was chosen, once.
+  /// Draws the browser, if shown. @return the chosen file, once.
   std::optional<std::filesystem::path> draw();
-  /// Further files that were chosen with the last one that draw() gave, in the order of the clicks.
+  /// Further files chosen together with the last file from draw(), in the order of the clicks.
   std::vector<std::filesystem::path> takeOthers();
 
  private:
@@ -42,7 +42,7 @@ class FileBrowser {
   std::vector<Entry> entries_;
   std::vector<std::string> others_;  // beside name_
   std::string error_;
-  std::string asked_;  // kSave: the file that is there already, and would be replaced
+  std::string asked_;  // kSave: existing file that the user would replace
   char name_[512] = {};
 };
 

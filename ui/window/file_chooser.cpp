@@ -18,7 +18,7 @@ bool isToOpen(const AppCommand& command) {
   return false;
 }
 
-// By hand a scan is looked at before it is prepared, and several come together.
+// The user reviews a scan before preparation, and may open several files together.
 bool takesSeveral(const AppCommand& command) { return command.id == "file.open"; }
 
 std::string suggestedName(const AppContext& context, const AppCommand& command) {
@@ -96,7 +96,7 @@ void FileChooser::keepFolder(AppContext& context, const fs::path& folder) {
 
 void FileChooser::take(AppContext& context, std::vector<fs::path> files) {
   if (!asked_for_) return;
-  // Something else would be written over what was confirmed.
+  // Not the document the user confirmed: would write another one.
   if (!isToOpen(*asked_for_) && (generation_ != context.bench.generation() || piece_ != chosenPiece(context)))
     return context.bench.complain({.code = Error::Code::kUnsupported,
                                    .file = files.front().string(),

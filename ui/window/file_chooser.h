@@ -1,5 +1,5 @@
-// Asks for the file that a command needs, and gives the command what was chosen: by the system's dialog where there is
-// one and the settings do not say otherwise, else by the browser inside the window.
+// Asks the user for a command's file and runs the command with it. Uses the system's dialog if there is one and the
+// settings allow it, else the browser inside the window.
 #pragma once
 
 #include <cstdint>
@@ -13,23 +13,22 @@
 
 namespace kerf {
 
-/// On the window's thread. A frame never waits for a person.
+/// On the window's thread. Frames go on while the user chooses.
 class FileChooser {
  public:
-  /// Where it begins.
+  /// First folder to show.
   void setFolder(const std::filesystem::path& folder) { browser_.setFolder(folder); }
-  /// Asks for the file of a command that takes a PATH. What was asked before and is still open is put away.
+  /// Asks for the file of a command that takes a PATH. Closes an earlier dialog that is still open.
   void ask(AppContext& context, const AppCommand& command);
-  /// A file is being chosen, by either.
+  /// The dialog or the browser is open.
   bool isShown() const { return browser_.isShown() || dialog_.isShown(); }
-  /// The browser inside the window is shown: Enter and Escape are for it.
+  /// The browser inside the window is open: Enter and Escape are for it.
   bool takesKeys() const { return browser_.isShown(); }
   void accept() { browser_.accept(); }
   void cancel() { browser_.cancel(); }
-  /// Once a frame: draws the browser, and runs the command when something was chosen. Its folder is kept in the
-  /// settings.
+  /// Once a frame: draws the browser, and runs the command after a choice. The settings keep its folder.
   void update(AppContext& context);
-  /// What update() does of the system's dialog, which goes on while the window is minimised.
+  /// The part of update() for the system's dialog, which stays open while the window is minimised.
   void takeAnswer(AppContext& context);
 
  private:
@@ -40,7 +39,7 @@ class FileChooser {
   FileBrowser browser_;
   SystemDialog dialog_;
   const AppCommand* asked_for_ = nullptr;
-  // What it was asked of: the window stays usable under the system's dialog.
+  // Workbench::generation() when the dialog opened: the window stays usable meanwhile.
   std::uint64_t generation_ = 0;
   std::optional<std::uint32_t> piece_;
 };

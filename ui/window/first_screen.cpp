@@ -22,7 +22,7 @@ constexpr const char* kForget = "Delete the log?###forget-session";
 
 void* handleOf(unsigned texture) { return reinterpret_cast<void*>(static_cast<std::uintptr_t>(texture)); }
 
-// As much of the end of a text as fits: the last folders tell more than the first.
+// The end of a text, as far as it fits: the last folders tell more than the first.
 std::string endThatFits(const std::string& text, float width) {
   if (ui::textSize(ui::asItIs(text)).x <= width) return text;
   for (std::size_t from = 1; from < text.size(); ++from) {
@@ -125,7 +125,7 @@ void FirstScreen::drawLost(AppContext& context) {
     ImGui::SameLine();
     ui::text(ui::asItIs(endThatFits(name, ImGui::GetContentRegionAvail().x)));
     ImGui::PopID();
-    if (bench.job()) return;  // the list is being changed
+    if (bench.job()) return;  // the list changes now
   }
 
   if (!asks_to_forget_) return;

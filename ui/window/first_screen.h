@@ -1,4 +1,4 @@
-// What is seen when nothing is open: drop a scan, files of before with pictures, our demos, sessions that were lost.
+// The screen while no document is open: drop target, recent files with pictures, demos, lost sessions.
 #pragma once
 
 #include <filesystem>
@@ -23,7 +23,7 @@ class FirstScreen {
 
   /// @param ask_for_file  asks for a path, then runs the command with it.
   void draw(AppContext& context, const std::function<void(const AppCommand&)>& ask_for_file);
-  /// Pictures may have changed, and files may have gone.
+  /// Reloads pictures and drops files that no longer exist.
   void refresh(AppContext& context);
 
  private:
@@ -32,7 +32,7 @@ class FirstScreen {
   void drawCard(AppContext& context, std::size_t n, float width);
   unsigned textureOf(const std::filesystem::path& picture);
 
-  std::map<std::filesystem::path, unsigned> textures_;  // 0: there is no picture
+  std::map<std::filesystem::path, unsigned> textures_;  // 0: no picture
   bool was_drawn_ = false;
   std::optional<std::size_t> asks_to_forget_;  // a lost session
 };

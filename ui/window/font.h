@@ -1,4 +1,4 @@
-// The type of the panels: which font, and which characters it has.
+// The font of the panels and its characters.
 #pragma once
 
 #include <imgui.h>
@@ -6,7 +6,7 @@
 namespace kerf {
 
 /// Adds the panels' font to an atlas.   @param pixels  its height.
-/// @return  false: none of the fonts is installed; Dear ImGui then writes with its own, which has Latin letters alone.
+/// @return  false: none of the fonts is installed; Dear ImGui then uses its own, which has Latin letters alone.
 bool addFont(ImFontAtlas& atlas, float pixels);
 
 }  // namespace kerf

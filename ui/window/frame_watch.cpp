@@ -44,7 +44,7 @@ void FrameWatch::end(const Workbench& bench) {
   }
   const HapticReport& report = bench.report();
   if (report.counts.edits_pushed > pushed_) carved_.push_back({pushed_ = report.counts.edits_pushed, frame_});
-  // A carve fell between two frames: the one that first could show it counts.
+  // For a carve between two frames, the first frame that could show it counts.
   for (; !carved_.empty() && carved_.front().edits <= meshed_; carved_.pop_front())
     lags_.push_back(static_cast<double>(frame_ - carved_.front().frame + 1));
 

@@ -1,5 +1,5 @@
-// How the window keeps up with what it shows: frames on the clock by what was under way, how far the picture lags
-// behind the cut, how punctual the 1 kHz loop is beside it.
+// Measures how the window keeps up: frame times by activity, lag of the picture behind the cut, and punctuality of the
+// 1 kHz loop.
 #pragma once
 
 #include <chrono>
@@ -13,7 +13,7 @@
 
 namespace kerf {
 
-/// Asked around each frame. One thread.
+/// Call around each frame. One thread.
 class FrameWatch {
  public:
   void begin(const Workbench& bench);  ///< before Workbench::update()
@@ -27,13 +27,13 @@ class FrameWatch {
  private:
   using Clock = std::chrono::steady_clock;
   struct Carved {
-    std::uint64_t edits = 0;  // pushed by then
-    std::uint64_t frame = 0;  // in which that was known
+    std::uint64_t edits = 0;  // edits pushed so far
+    std::uint64_t frame = 0;  // frame that first knew of them
   };
 
-  std::map<std::string, std::vector<double>> ms_;  // by what was under way
+  std::map<std::string, std::vector<double>> ms_;  // by activity
   std::vector<double> lags_;                       // frames from a carve to the picture that shows it
-  std::deque<Carved> carved_;                      // not shown yet
+  std::deque<Carved> carved_;                      // not in a picture yet
   Clock::time_point began_, before_;
   std::uint64_t frame_ = 0, meshed_ = 0, pushed_ = 0, tick_ = 0, generation_ = 0;
   double cutting_s_ = 0;

@@ -40,7 +40,7 @@ class HiddenWindow final : public OffscreenContext {
   }
 };
 
-/// libepoxy ends the program where a library is missing, so this is asked first.
+/// Check first: libepoxy ends the program if a library is missing.
 bool canLoad(std::initializer_list<const char*> any_of) {
   for (const char* name : any_of)
     if (dlopen(name, RTLD_LAZY | RTLD_GLOBAL)) return true;  // kept open: epoxy needs it next
@@ -54,8 +54,8 @@ std::string describe(std::string_view how) {
                      reinterpret_cast<const char*>(glGetString(GL_VERSION)));
 }
 
-/// A current context on `display`, or null with the reason in `why`. Takes a 1 x 1 pbuffer where the display can not do
-/// without a surface; the pictures are drawn into framebuffer objects either way.
+/// Makes a context current on `display`, or returns null with the reason in `why`. Uses a 1 x 1 pbuffer if the display
+/// needs a surface; pictures are drawn into framebuffer objects either way.
 std::unique_ptr<EglContext> contextOn(EGLDisplay display, std::string& why) {
   if (display == EGL_NO_DISPLAY) {
     why = eglError("opening the display");

@@ -12,8 +12,8 @@ namespace kerf {
 class OffscreenContext {
  public:
   /// Tries, in this order: EGL without a surface (Mesa), EGL on each device, EGL on the default display, a hidden GLFW
-  /// window if a display is set. `software` asks Mesa for its software renderer (llvmpipe) through the environment
-  /// variable LIBGL_ALWAYS_SOFTWARE unless that is set already: the same picture on every machine, whatever its GPU.
+  /// window if a display is set. `software` selects Mesa's software renderer (llvmpipe) through the environment
+  /// variable LIBGL_ALWAYS_SOFTWARE, unless that is already set: the same picture on every machine and GPU.
   /// @return an error that lists each attempt and the Debian packages to install, if none gives OpenGL 3.3.
   static Expected<std::unique_ptr<OffscreenContext>> create(bool software = true);
   virtual ~OffscreenContext() = default;

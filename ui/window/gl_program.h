@@ -1,4 +1,4 @@
-// Shader programs, and the error that says what OpenGL did not do: for the renderers of this folder.
+// Shader programs, and errors for failed OpenGL calls, for the renderers of this folder.
 #pragma once
 
 #include <epoxy/gl.h>
@@ -15,15 +15,15 @@ namespace kerf::internal {
 /// "PLACE: FOUND; expected OpenGL 3.3. Try: ..."
 Error glFailure(std::string place, std::string found);
 
-/// A place in a buffer, as OpenGL wants it.
+/// A byte offset in a buffer, in the form OpenGL takes.
 inline const void* bufferOffset(std::size_t bytes) { return static_cast<const char*>(nullptr) + bytes; }
 
-/// One program. Its owner deletes `id`. A uniform that the program does not use may be set: nothing happens.
+/// One program. Its owner deletes `id`. Setting a uniform that the program does not use has no effect.
 class GlProgram {
  public:
   GLuint id = 0;
 
-  /// Each stage is its texts one after the other.
+  /// The texts of each stage are joined in order.
   Expected<void> build(std::initializer_list<const char*> vertex, std::initializer_list<const char*> fragment);
 
   void use() const { glUseProgram(id); }

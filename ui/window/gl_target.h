@@ -1,4 +1,4 @@
-// A framebuffer of our own to draw a picture into, and its bytes. For the renderers of this folder.
+// A framebuffer to draw a picture into and read back, for the renderers of this folder.
 #pragma once
 
 #include <epoxy/gl.h>
@@ -16,7 +16,7 @@ class GlTarget {
   GlTarget& operator=(const GlTarget&) = delete;
 
   GLuint id() const { return framebuffer_; }
-  /// What was drawn, rows from the top.
+  /// The drawn picture, rows from the top.
   Image read() const;
 
  private:

@@ -16,7 +16,7 @@ Error noWindow(std::string found) {
           .hint = "kerf-sim --screenshot OUT.png or --script FILE, which need no display, or xvfb-run kerf-sim"};
 }
 
-// A hidden window without a wish for a version gets the newest that there is.
+// A hidden window without a version request gets the newest version.
 Error noOpenGl() {
   const std::string reason = lastGlfwError();
   glfwDefaultWindowHints();

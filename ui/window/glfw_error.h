@@ -1,4 +1,4 @@
-// Why there is no window, in words that help.
+// Errors when no window can open, with a remedy.
 #pragma once
 
 #include <string>
@@ -7,12 +7,12 @@
 
 namespace kerf {
 
-/// kUnsupported, with what else can be done.   @param found  what went wrong.
+/// kUnsupported, with alternatives.   @param found  the cause.
 Error noWindow(std::string found);
-/// The display is there, but has no OpenGL 3.3: what it has instead, and what draws without it. After glfwInit(), when
-/// a window could not be created.
+/// The display lacks OpenGL 3.3: names its version, and a way to draw without it. Call after glfwInit(), if a window
+/// could not be created.
 Error noOpenGl();
-/// What GLFW said last; the thread that uses GLFW.
+/// GLFW's last error. On the thread that uses GLFW.
 std::string lastGlfwError();
 
 }  // namespace kerf

@@ -19,8 +19,8 @@ namespace {
 
 using Vec2 = Eigen::Vector2d;
 
-/// A stroke font of what lengths, axes and legends need. A glyph is a chain of points "xy" on a grid 4 wide and 6 high,
-/// y upwards ('/' and '.' lie below the line); a blank lifts the pen.
+/// A stroke font for lengths, axes and legends. A glyph is a chain of points "xy" on a grid 4 wide and 6 high, y
+/// upwards ('/' and '.' lie below the line); a blank lifts the pen.
 std::string_view strokes(char c) {
   switch (c) {
     case '0':
@@ -107,7 +107,7 @@ double advance(char c) {
   return is_narrow ? 5 : 6;
 }
 
-// From the first stroke to the last.
+// Width from the first stroke to the last.
 double widthOf(std::string_view text) {
   double out = -2;
   for (const char c : text) out += advance(c);
@@ -161,7 +161,7 @@ void drawText(Image& image, std::string_view text, Vec2 at, double unit, double 
   }
 }
 
-// Of what is written: it follows the height of the picture.
+// Size of text: follows the height of the picture.
 struct Pen {
   double unit, width;
   explicit Pen(const Image& image) : unit(std::max(1.2, image.height / 400.0)), width(std::max(1.3, 0.9 * unit)) {}
@@ -181,8 +181,8 @@ struct GridNumber {
   double left = 0;  // of its first stroke, pixels
 };
 
-// The numbers between two pixels. Where plates would touch, only every second, fifth, tenth ... line has its number:
-// the same ones wherever the picture is moved to.
+// The numbers between two pixels. Where plates would touch, only every second, fifth, tenth ... line has its number,
+// independent of the picture's position.
 std::vector<GridNumber> numbersAlong(const PictureGrid& grid, double from, double to, const Pen& pen) {
   const double margin = kPlateMargin * pen.unit;
   std::vector<GridNumber> out;
@@ -191,7 +191,7 @@ std::vector<GridNumber> numbersAlong(const PictureGrid& grid, double from, doubl
     for (const double factor : {1.0, 2.0, 5.0}) {
       out.clear();
       touch = false;
-      double end = from;  // of the plate before
+      double end = from;  // of the previous plate
       for (const PictureGrid::Line& line : grid.right) {
         if (std::fmod(std::round(line.mm / grid.step_mm), factor * tens) != 0) continue;
         const std::string text = numberAt(grid, line);
@@ -221,7 +221,7 @@ void drawScaleBar(Image& image, double length_mm, double mm_per_pixel) {
 }
 
 void drawGrid(Image& image, const PictureGrid& grid) {
-  constexpr double kLine = 0.25, kAxis = 0.6;  // of ink: through the scan's origin stronger
+  constexpr double kLine = 0.25, kAxis = 0.6;  // of ink: stronger through the scan's origin
   const Pen pen(image);
   const auto strength = [](const PictureGrid::Line& line) { return line.mm == 0 ? kAxis : kLine; };
   for (const PictureGrid::Line& line : grid.right)
@@ -229,7 +229,7 @@ void drawGrid(Image& image, const PictureGrid& grid) {
   for (const PictureGrid::Line& line : grid.up)
     fill(image, {0, std::floor(line.pixel)}, {image.width, std::floor(line.pixel) + 1}, strength(line), kInk);
 
-  // The corner belongs to the names of the axes.
+  // The corner is reserved for the names of the axes.
   const double edge = 3 * pen.unit, margin = kPlateMargin * pen.unit, name_at = edge + 14 * pen.unit;
   const auto named = [](const std::string& name) { return name.empty() ? std::string("mm") : name + " mm"; };
   const std::string right_name = named(grid.right_name);

@@ -28,23 +28,21 @@ struct Image {
 /// Sizes follow the height of the picture. The bar is within half a pixel of its true length.
 void drawScaleBar(Image& image, double length_mm, double mm_per_pixel);
 
-/// Draws thin lines with their numbers at the upper and the left edge, on small light plates; the scan's axes are named
-/// there. What lies under a line shines through. Where numbers at the upper edge would touch, every second, fifth,
-/// tenth
+/// Draws thin lines with their numbers at the upper and the left edge, on small light plates, and names the scan's axes
+/// there. The picture shines through the lines. Where numbers at the upper edge would touch, every second, fifth, tenth
 /// ... line has one.
 /// @pre  grid.step_mm > 0
 void drawGrid(Image& image, const PictureGrid& grid);
 
-/// Draws the legend of a map into the lower left corner, on a light plate. A picture narrower than it gets a part of
-/// it.
+/// Draws the legend of a map into the lower left corner, on a light plate. A narrower picture gets a part of it.
 void drawLegend(Image& image, const MapLegend& legend);
-/// Whether the strokes of the numbers in pictures have all its characters.
+/// Whether the strokes for numbers in pictures have all of these characters.
 bool canBeDrawn(std::string_view text);
 
 /// Reads a PNG of at most 4096 pixels a side. Errors: kNotFound, kBadFormat.
 Expected<Image> readPng(const std::filesystem::path& path);
 
-/// Writes a PNG by AtomicFile: a file of that name is replaced whole or not at all.
+/// Writes a PNG by AtomicFile: replaces an existing file completely or not at all.
 Expected<void> writePng(const std::filesystem::path& path, const Image& image);
 
 }  // namespace kerf

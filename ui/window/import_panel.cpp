@@ -37,7 +37,7 @@ void runImport(AppContext& context, const char* id, std::vector<std::string> wor
   if (const auto done = runAppCommand(context, id, words); !done) context.bench.complain(done.error());
 }
 
-// ---- What was found
+// ---- Findings
 
 void drawFindings(const std::vector<Finding>& findings) {
   const StyleColours& colours = styleColours();
@@ -74,7 +74,7 @@ void drawUnit(AppContext& context, const ImportPlan& plan, const UnitOption& opt
   option.is_plausible ? ui::text(size) : ui::textColored(styleColours().warning, size + shownText(": not dental"));
 }
 
-// Those that may be meant; the others are a click away.
+// Likely units; the others are a click away.
 void drawUnits(AppContext& context, const ImportPlan& plan) {
   heading("Unit of the file");
   const auto isNear = [&](const UnitOption& option) { return option.is_plausible || option.unit == plan.unit().unit; };
@@ -149,7 +149,7 @@ void drawClosing(AppContext& context, ImportPlan& plan) {
   if (const auto done = plan.setClosing(choice); !done) context.bench.complain(done.error());
 }
 
-// Of a scan's plan and of a label volume's alike.
+// For a scan's plan and for a label volume.
 template <class Plan>
 void drawVoxel(Plan& plan, bool is_own) {
   heading("Voxel size");
@@ -163,7 +163,7 @@ void drawVoxel(Plan& plan, bool is_own) {
   }
 }
 
-// Of all files together.
+// For all files together.
 void drawPrediction(const ImportSet& set) {
   const Prediction p = set.prediction();
   if (p.bytes <= 0) return;
@@ -188,7 +188,7 @@ constexpr std::array<RoleRow, 4> kRoles = {{{ImportRole::kCut, "cut", "is cut"},
                                             {ImportRole::kTool, "tool", "is a tool"},
                                             {ImportRole::kOut, "out", "left out"}}};
 
-// What becomes of one file that was dropped alone.
+// Use of a single dropped file.
 void drawRole(AppContext& context, const ImportEntry& entry) {
   if (!entry.scan) return;
   const auto choice = [&](ImportRole role, const char* word, const char* text) {
@@ -205,7 +205,7 @@ void drawRole(AppContext& context, const ImportEntry& entry) {
   choice(ImportRole::kTool, "tool", "Use it as a tool");
 }
 
-// ---- A mesh that becomes a tool
+// ---- Import of a mesh as a tool
 
 void drawTool(AppContext& context, ToolPlan& plan) {
   heading("Tool");
@@ -285,7 +285,7 @@ void drawLabel(AppContext& context, const LabelPlan& plan, const LabelFound& lab
 
 void drawLabels(AppContext& context, const LabelPlan& plan) {
   heading("Tissues");
-  constexpr std::size_t kMostRows = 9;  // the others are scrolled to
+  constexpr std::size_t kMostRows = 9;  // scroll to the others
   const float row = ImGui::GetFrameHeightWithSpacing();
   const float height = row * static_cast<float>(std::min(plan.found().labels.size(), kMostRows)) + scaled(4);
   if (!ImGui::BeginTable("labels", 3, ImGuiTableFlags_ScrollY | ImGuiTableFlags_SizingStretchProp, {0, height})) return;
@@ -458,7 +458,7 @@ void drawImportGuides(const AppContext& context, double pixels) {
   const Box3 box = set->scan() ? set->scan()->boxMm() : set->labels() ? set->labels()->found().box : Box3();
   if (box.isEmpty()) return;
 
-  // The box and its sizes: each at the edge of that direction that is lowest in the picture.
+  // The box and its sizes: each at that edge of its direction that is lowest in the picture.
   for (int axis = 0; axis < 3; ++axis) {
     ImVec2 lowest{0, -1e9f};
     for (int n = 0; n < 8; ++n) {

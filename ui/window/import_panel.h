@@ -1,6 +1,5 @@
-// The import panel: what was found in a scan or a label volume, what can be done about it, and what that will give; of
-// several files, which one is cut and which stand beside it. It shows an ImportSet and changes its choices; it holds
-// nothing else.
+// The import panel: findings in a scan or label volume, their remedies and the result; of several files, which is cut
+// and which are neighbours. It shows an ImportSet and changes its choices; it holds no other state.
 #pragma once
 
 #include "ui/app/app_commands.h"
@@ -8,24 +7,23 @@
 
 namespace kerf {
 
-/// What the window remembers between two frames.
+/// State of the panel between two frames.
 struct ImportPanelState {
-  bool shows_solid = true;   ///< the closed solid as soon as it is there; else the scan as it was read
+  bool shows_solid = true;   ///< the closed solid once it exists; else the scan as read
   bool shows_guides = true;  ///< box with its sizes, occlusal plane, level of the base
 };
 
-/// Width that the panel takes from the right edge of the window, window units; of type size 1, and as it is.
+/// Width of the panel at the right edge of the window, window units, at type size 1; and the current width.
 inline constexpr float kImportPanelWidth = 400;
 float importPanelWidth();
 
-/// Draws it while bench.importSet() is there.
+/// Draws the panel while bench.importSet() exists.
 void drawImportPanel(AppContext& context, ImportPanelState& state);
 
 /// Box, occlusal plane and base over the picture.   @param pixels  of the framebuffer in a window unit.
 void drawImportGuides(const AppContext& context, double pixels);
 
-/// The scan in the part of the window that the panel leaves free, seen from its occlusal side, tilted so that the base
-/// is seen as well.
+/// Fits the scan into the part of the window that the panel leaves free: occlusal side, tilted to show the base too.
 void viewScan(AppContext& context, double pixels);
 
 }  // namespace kerf

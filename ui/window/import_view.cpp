@@ -33,14 +33,14 @@ void ImportView::update(const std::optional<ImportPicture>& picture) {
     of_.clear();
     fitted_.clear();
     wanted_.clear();
-    if (job_) ending_.push_back(std::move(job_));  // waiting for it here would hold up the frame
+    if (job_) ending_.push_back(std::move(job_));  // waiting would delay the frame
     waiting_.clear();
     shown_ = kNone;
     return;
   }
 
   const bool is_other = picture->of != of_ || picture->parts != wanted_;
-  // A job that is outdated ends by itself: waiting for it here would hold up the frame.
+  // An outdated job ends by itself: waiting would delay the frame.
   if (is_other && !picture->parts.empty() && (!job_ || job_->isOver())) {
     of_ = picture->of;
     wanted_ = picture->parts;

@@ -1,4 +1,4 @@
-// What is imported as a picture: scans as they were read, or the closed solids that will be cut.
+// The picture of an import: scans as read, or the closed solids.
 #pragma once
 
 #include <cstdint>
@@ -17,19 +17,19 @@
 
 namespace kerf {
 
-/// Needs its OpenGL context current in every call, as LiveRenderer, which it owns one of.
+/// Needs its OpenGL context current in every call, like the LiveRenderer it owns.
 class ImportView {
  public:
   static Expected<std::unique_ptr<ImportView>> create();
 
-  /// Once a frame. What is shown is cut into chunks by a job and handed to the graphics card over several frames; until
-  /// all of it is there the picture stays as it was.   @param picture  none: nothing is imported.
+  /// Once a frame. A job splits the parts into chunks; uploading takes several frames. Until all chunks are there the
+  /// old picture stays.   @param picture  none: no import.
   void update(const std::optional<ImportPicture>& picture);
-  /// True once after other files, or the same in another unit, are there.
+  /// True once after the files or their unit changed.
   bool takeFitWanted();
   bool isEmpty() const { return shown_ == kNone; }
 
-  /// The background goes with the panels.
+  /// The panels set the background.
   void setBackground(const Vec3f& middle, const Vec3f& edge) { renderer_->setBackground(middle, edge); }
 
   Expected<void> draw(const Camera& camera, int width, int height, bool is_still);
@@ -43,11 +43,11 @@ class ImportView {
   static constexpr std::size_t kNone = 2;
   std::unique_ptr<LiveRenderer> renderer_;
   std::unique_ptr<Job<Chunks>> job_;
-  std::vector<std::unique_ptr<Job<Chunks>>> ending_;  // of scans that were put away
+  std::vector<std::unique_ptr<Job<Chunks>>> ending_;  // of closed scans
   Chunks waiting_;
-  std::size_t next_ = 0;                     // of waiting_
+  std::size_t next_ = 0;                     // index in waiting_
   std::size_t shown_ = kNone;                // object 0 or 1
-  std::vector<ImportPicture::Part> wanted_;  // what job_ works on, that waits, or that is shown
+  std::vector<ImportPicture::Part> wanted_;  // parts in job_, waiting or shown
   std::string of_, fitted_;                  // ImportPicture::of
   bool is_fit_wanted_ = false;
 };

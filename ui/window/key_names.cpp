@@ -16,7 +16,7 @@ KeyChord keyChord(std::string_view name) {
   take("Shift+", GLFW_MOD_SHIFT);
   take("Alt+", GLFW_MOD_ALT);
 
-  // Of printable keys GLFW's number is that of the character, in capitals.
+  // For printable keys GLFW's number is the character, in capitals.
   if (name.size() == 1)
     out.key = name[0];
   else if (name.size() == 2 && name[0] == 'F' && name[1] >= '1' && name[1] <= '9')

@@ -7,7 +7,7 @@
 namespace kerf {
 namespace {
 
-// Numbers of GLFW, which are part of its interface.
+// GLFW's numbers, part of its interface.
 constexpr int kFirstPrintable = 32, kLastPrintable = 162, kFirstModifier = 340, kLastModifier = 347;
 constexpr int kShift = 1, kCapsLock = 16, kNumLock = 32;
 constexpr int kRelease = 0, kPress = 1;
@@ -35,7 +35,7 @@ std::vector<KeyTrickle::Event> KeyTrickle::takeFrame() {
     if (holds_up) fits = fits && !is_full && !(has_key && (!is_key || is_key_alone));
     if (!fits) {
       is_full = is_full || holds_up;
-      if (is_change) changed.insert(e.key);  // nor what comes after it of this key
+      if (is_change) changed.insert(e.key);  // nor later changes of this key
       later.push_back(e);
       continue;
     }

@@ -30,9 +30,9 @@ constexpr Color kChosenEdge{0.04f, 0.25f, 0.52f, 0.95f}, kOtherEdge{0.27f, 0.32f
 constexpr Color kHalo{1, 1, 1, 0.40f}, kDrawn{0.04f, 0.25f, 0.52f, 1}, kPicked{0.04f, 0.33f, 0.66f, 1};
 
 constexpr double kEdgePixels = 1.6, kTeethPixels = 2.6, kContourPixels = 2.8, kHaloPixels = 1.6, kDotPixels = 9;
-constexpr double kNearer = 0.08;  // mm towards the viewer: a line on the surface is not half inside it
+constexpr double kNearer = 0.08;  // mm towards the viewer: keeps a line on the surface from sinking half into it
 constexpr double kHidden = 0.30;  // of the opacity, behind tissue
-constexpr double kArrow = 5;      // mm: where the teeth go in
+constexpr double kArrow = 5;      // mm: entry side of the teeth
 constexpr double kArrowHead = 1.2;
 
 Vec3d normalOf(const LiveSlab& slab) {
@@ -62,7 +62,7 @@ LiveOverlay::~LiveOverlay() {
 
 Expected<void> LiveOverlay::build() { return program_.build({kVersion, kVertex}, {kVersion, kFragment}); }
 
-// A box around the middle plane, outward: of a convex one the faces towards the viewer are one layer.
+// A box around the middle plane, outward: being convex, its faces towards the viewer form one layer.
 void LiveOverlay::addFaces(const LiveSlab& slab) {
   const Vec3d half = 0.5 * slab.thickness * normalOf(slab);
   std::array<Vec3d, 8> p;
@@ -81,7 +81,7 @@ void LiveOverlay::addFaces(const LiveSlab& slab) {
 }
 
 // A strip that faces the viewer, longer by half of its width at either end: corners are whole. Pieces of a long line
-// are no longer than they are: where they overlapped they would be darker.
+// are not lengthened: overlaps would be darker.
 void LiveOverlay::addLine(const OverlayView& view, const Vec3d& from, const Vec3d& to, double pixels,
                           const Color& color, bool is_piece) {
   const Vec3d to_viewer = view.camera.towardsViewer(0.5 * (from + to));
@@ -118,7 +118,7 @@ void LiveOverlay::addSlabLines(const LiveSlab& slab, const OverlayView& view) {
     for (const auto& piece : slab.contour) addLine(view, piece[0], piece[1], kContourPixels + extra, with, true);
     if (!slab.is_chosen) return;
 
-    // Where the teeth go in.
+    // Entry side of the teeth.
     const Vec3d entry = 0.5 * (c[0] + c[1]), into = (c[3] - c[0]).normalized(), aside = (c[1] - c[0]).normalized();
     addLine(view, entry - kArrow * into, entry, kTeethPixels + extra, with);
     for (const double side : {-1.0, 1.0})

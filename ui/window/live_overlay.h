@@ -1,7 +1,7 @@
-// What is planned, drawn over what is there: slabs as wide as a kerf, lines, dots. OpenGL 3.3 core.
+// Planned cuts over the picture: slabs as wide as a kerf, lines, dots. OpenGL 3.3 core.
 //
-// All of it is drawn twice: clearly where it is in front of the tissue, faintly where it is behind or inside. A slab
-// has lines along its edges, of a width in pixels: seen edge-on it is a line, never nothing.
+// Everything is drawn twice: clearly in front of the tissue, faintly behind or inside it. A slab has edge lines with a
+// width in pixels, so that it stays visible edge-on.
 #pragma once
 
 #include <epoxy/gl.h>
@@ -18,11 +18,11 @@ namespace kerf {
 
 /// A planned saw cut. World frame, mm.
 struct LiveSlab {
-  /// Of its middle plane: entering left, entering right, far right, far left.
+  /// Corners of the middle plane: entering left, entering right, far right, far left.
   std::array<Vec3d, 4> corners{};
-  double thickness = 0.4;  ///< the kerf
+  double thickness = 0.4;  ///< width of the kerf
   bool is_chosen = true;   ///< blue; else grey
-  /// Where its middle plane meets the surface: straight pieces.
+  /// Segments where the middle plane meets the surface.
   std::vector<std::array<Vec3d, 2>> contour{};
 };
 
@@ -31,24 +31,24 @@ struct LiveLine {
   Vec3d from = Vec3d::Zero(), to = Vec3d::Zero();
 };
 
-/// What is drawn of a plan in one frame.
+/// Overlay of one frame.
 struct LivePlan {
   std::vector<LiveSlab> slabs{};
-  std::vector<LiveLine> lines{};  ///< that are being drawn
-  std::vector<Vec3d> dots{};      ///< that were picked
+  std::vector<LiveLine> lines{};  ///< lines being drawn
+  std::vector<Vec3d> dots{};      ///< picked points
 
   bool isEmpty() const { return slabs.empty() && lines.empty() && dots.empty(); }
 };
 
 namespace internal {
 
-/// How the frame is seen.
+/// View of the frame.
 struct OverlayView {
   Eigen::Matrix4d to_clip = Eigen::Matrix4d::Identity();
   Camera camera;
-  double mm_per_pixel = 0.1;  ///< of a line's width, at the target: of the window, at its scale
+  double mm_per_pixel = 0.1;  ///< scale of a line's width, at the target: of the window, at its scale
 
-  /// mm of so many pixels, where a point is.
+  /// mm of so many pixels, at a point.
   double mm(double pixels, const Vec3d& at) const { return pixels * mm_per_pixel * camera.shrinkAt(at); }
 };
 
@@ -61,7 +61,7 @@ class LiveOverlay {
   LiveOverlay& operator=(const LiveOverlay&) = delete;
 
   Expected<void> build();
-  /// Into the framebuffer that is bound, over objects and their depth. Leaves depth test on, blending and culling off,
+  /// Draws into the bound framebuffer, over objects and their depth. Leaves depth test on, blending and culling off,
   /// depth writes on.
   void draw(const LivePlan& plan, const OverlayView& view);
 

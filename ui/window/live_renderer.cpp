@@ -35,9 +35,9 @@ using internal::matrixOf;
 using internal::ToolReach;
 
 constexpr int kLargestSide = 8192;
-constexpr double kPixelsPerTriangle = 10;  // edges longer than that: light by pixel
+constexpr double kPixelsPerTriangle = 10;  // longer edges: light by pixel
 
-/// Of the background, sRGB: in the middle, at the corners.
+/// Background, sRGB: in the middle, at the corners.
 const Vec3f kBackgroundMiddle(0.80f, 0.835f, 0.87f), kBackgroundEdge(0.49f, 0.55f, 0.62f);
 
 bool isFinite(const Camera& c) {
@@ -46,8 +46,8 @@ bool isFinite(const Camera& c) {
          c.field_of_view < std::numbers::pi;
 }
 
-/// Whether there is a section. It is drawn into a framebuffer of our own, which has a stencil buffer: a window need
-/// not have one.
+/// Whether there is a section. A section is drawn into a framebuffer with a stencil buffer, which a window need not
+/// have.
 bool isOpen(const LiveFrame& frame) {
   return frame.section && frame.section->point.allFinite() && frame.section->normal.allFinite();
 }
@@ -59,7 +59,7 @@ struct Object {
   LiveSection section;
 };
 
-/// One page that is drawn in this frame: all of it, or its chunks within one reach of the tool.
+/// One page to draw in this frame: all of it, or its chunks within one reach of the tool.
 struct Drawn {
   LivePage* page = nullptr;
   const Object* object = nullptr;
@@ -88,10 +88,10 @@ struct LiveRenderer::Impl {
   internal::LiveTool hand_tool;
 
   std::map<std::size_t, Object> objects;
-  std::uint64_t changes = 0;  // of what is drawn, but for where objects are and whether they are seen
+  std::uint64_t changes = 0;  // of the drawn content, except poses and visibility of objects
   LiveCounts counts;
 
-  // Background, and what a picture or a supersampled frame is drawn into.
+  // Background, and targets for pictures and supersampled frames.
   GLuint background_array = 0, background_buffer = 0, empty_array = 0;
   GLsizei background_corners = 0;
   GLuint points_target = 0, points_color = 0, points_depth = 0;
@@ -142,8 +142,8 @@ struct LiveRenderer::Impl {
     return reduce.build({version, kReduceVertex}, {version, kReduceFragment});
   }
 
-  /// A gradient in a few large triangles with a colour at each corner: cheaper than a formula for each pixel, and than
-  /// a copy of a picture.
+  /// A gradient in a few large triangles with a colour at each corner: cheaper than a formula for each pixel, or a copy
+  /// of a picture.
   void makeBackground(const Vec3f& middle, const Vec3f& edge) {
     constexpr int kColumns = 16, kRows = 10;
     const auto corner = [&](int column, int row) {
@@ -194,7 +194,7 @@ FrameView LiveRenderer::Impl::viewOf(const Camera& camera, int width, int height
   view.height = height;
   view.mm_per_pixel = camera.mmPerPixel(height);
 
-  // Deep enough for everything, seen or not.
+  // Deep enough for all objects, visible or not.
   double depth = 1e-3;
   const auto reach = [&](const Box3& box, const Rigid3& pose) {
     if (box.isEmpty()) return;
@@ -219,7 +219,8 @@ FrameView LiveRenderer::Impl::viewOf(const Camera& camera, int width, int height
   const Vec3d scale = view.half_extent.cwiseInverse();
   Eigen::Matrix4d projection = Eigen::Vector4d(scale[0], scale[1], -scale[2], 1).asDiagonal();
   if (camera.isPerspective()) {
-    // w is the distance from the eye, as a part of that of the target; depth from the nearest to the farthest thing.
+    // w is the distance from the eye, relative to that of the target; depth spans from the nearest to the farthest
+    // object.
     const double eye = camera.eyeDistance();
     view.slope = 1 / eye;
     const double nearest = std::max(1 - view.slope * view.half_extent[2], Camera::kNearest);
@@ -253,7 +254,7 @@ std::vector<Drawn> LiveRenderer::Impl::whatIsSeen(const FrameView& view, const L
       if (visibility.is_outside && frame.is_culled) continue;
 
       drawn.is_by_pixel = page.meanEdge() > kPixelsPerTriangle * view.mm_per_pixel * view.shrinkAt(middle[2]);
-      // Near the tool chunk by chunk: the shaders that know the tool cost half as much again.
+      // Near the tool chunk by chunk: shaders with the tool cost half as much again.
       const internal::Reach reach = tool_reach ? tool_reach->of(box) : internal::Reach::kNone;
       drawn.is_split = reach != internal::Reach::kNone;
       for (const internal::Reach part : {internal::Reach::kNone, internal::Reach::kShadow, internal::Reach::kTip}) {
@@ -263,7 +264,7 @@ std::vector<Drawn> LiveRenderer::Impl::whatIsSeen(const FrameView& view, const L
       }
     }
   }
-  // The nearest first: what they hide is not shaded.
+  // Nearest first: hidden parts behind are not shaded.
   std::stable_sort(seen.begin(), seen.end(), [](const Drawn& a, const Drawn& b) { return a.depth > b.depth; });
   return seen;
 }
@@ -294,7 +295,7 @@ void LiveRenderer::Impl::drawObjects(const FrameView& view, const LiveFrame& fra
   if (is_open) {
     glDisable(GL_CULL_FACE);
     glEnable(GL_CLIP_DISTANCE0);
-    // Marks where the inside is what is seen.
+    // Marks pixels that show the inside.
     glEnable(GL_STENCIL_TEST);
     glStencilMask(1);
     glStencilFuncSeparate(GL_FRONT, GL_ALWAYS, 0, 1);
@@ -309,7 +310,7 @@ void LiveRenderer::Impl::drawObjects(const FrameView& view, const LiveFrame& fra
   glDisable(GL_STENCIL_TEST);
 }
 
-/// Over everything solid and the background: depth first, so that only the nearest surface is seen.
+/// Over all solid objects and the background: depth first, so that only the nearest surface shows.
 void LiveRenderer::Impl::drawGhosts(const FrameView& view, const LiveFrame& frame) {
   const std::vector<Drawn> seen = whatIsSeen(view, frame, {}, true);
   if (seen.empty()) return;
@@ -367,7 +368,7 @@ void LiveRenderer::Impl::drawPages(const std::vector<Drawn>& seen, const FrameVi
       setObjectUniforms(program, view, frame, drawn, tool);
     }
 
-    // The chunks of the page that can be seen, as few ranges as they make.
+    // The visible chunks of the page, in as few ranges as possible.
     LivePage& page = *drawn.page;
     const Rigid3& pose = drawn.object->T_world_object;
     const Eigen::Matrix3d rotation = view.rotation * pose.rotation.toRotationMatrix();
@@ -407,7 +408,7 @@ void LiveRenderer::Impl::drawPages(const std::vector<Drawn>& seen, const FrameVi
   }
 }
 
-/// The section so far is as deep as the wall behind it. Lifts it into its plane, so that a tool behind it is hidden.
+/// So far the section has the depth of the wall behind it. Lifts it into its plane, so that a tool behind it is hidden.
 void LiveRenderer::Impl::liftSection(const FrameView& view, const Plane& plane) {
   if (view.facing(view.toView(plane.point), view.rotation * plane.normal) < 1e-3) return;  // from its edge or behind
 
@@ -432,7 +433,7 @@ void LiveRenderer::Impl::liftSection(const FrameView& view, const Plane& plane) 
 
 void LiveRenderer::Impl::drawBackground() {
   glDisable(GL_CULL_FACE);
-  glDepthFunc(GL_LEQUAL);  // at the far end: only where nothing was drawn
+  glDepthFunc(GL_LEQUAL);  // at the far end: only on empty pixels
   flat.use();
   flat.set("depth", Vec3f(0, 0, 1));
   flat.set("noise", 1.0 / 255);
@@ -461,7 +462,7 @@ Expected<void> LiveRenderer::Impl::drawPoints(GLuint target, const Camera& camer
   glDisable(GL_SCISSOR_TEST);
   glDisable(GL_STENCIL_TEST);
   glDisable(GL_FRAMEBUFFER_SRGB);
-  glDisable(GL_MULTISAMPLE);  // what covers no middle of a pixel is left out
+  glDisable(GL_MULTISAMPLE);  // skips triangles that cover no middle of a pixel
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   glDepthMask(GL_TRUE);
   glViewport(0, 0, width, height);
@@ -512,9 +513,8 @@ Expected<void> LiveRenderer::Impl::resizePoints(int width, int height) {
   return {};
 }
 
-// What is shown comes first, and an object of which nothing is there yet last: what is being cut is never behind what
-// is being opened. Among equals it is the one that has waited longest: a wide tool changes more pages than fit in a
-// frame.
+// Visible pages first, and objects without any page last: the cut is never delayed by an opening document. Among equals
+// the longest waiting goes first: a wide tool changes more pages than fit in a frame.
 void LiveRenderer::Impl::upload(std::size_t most) {
   struct Waiting {
     LivePage* page;
@@ -546,7 +546,7 @@ void LiveRenderer::Impl::upload(std::size_t most) {
       if (page.isDirty()) ++counts.waiting_pages;
     }
   }
-  if (counts.waiting_pages > 0) ++changes;  // the next frame is of more
+  if (counts.waiting_pages > 0) ++changes;  // the next frame shows more
 }
 
 Expected<void> LiveRenderer::Impl::drawInto(GLuint target, const Camera& camera, int width, int height,

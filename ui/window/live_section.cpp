@@ -38,8 +38,8 @@ void LiveSection::setUniforms(const GlProgram& program, const FrameView& view, c
   program.set("has_tissues", is_shown ? 1 : 0);
   if (!is_shown) return;
 
-  // Where a pixel's line of sight meets the plane: as a share of the picture's width and height, times a weight. All
-  // three are affine in the pixel; in parallel projection the weight is the same everywhere.
+  // Place where a pixel's line of sight meets the plane: as a share of the picture's width and height, times a weight.
+  // All three are affine in the pixel; in parallel projection the weight is constant.
   const Rigid3 to_object = pose.inverse();
   const auto placeOf = [&](double x, double y) -> Vec3d {
     const auto [from, way] = view.sightThrough(x, y);

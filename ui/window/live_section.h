@@ -1,4 +1,4 @@
-// The face of a section through one object, as a texture: what it is made of at each place of the plane.
+// The face of a section through one object, as a texture: its materials in the plane.
 #pragma once
 
 #include <epoxy/gl.h>
@@ -9,7 +9,7 @@
 
 namespace kerf::internal {
 
-/// A pixel's place in the plane does not depend on the surface that is behind it.
+/// A pixel's place in the plane does not depend on the surface behind it.
 /// Needs its OpenGL context current in every call, the destructor included.
 class LiveSection {
  public:
@@ -22,7 +22,7 @@ class LiveSection {
   /// Texture unit 1.
   void bind() const;
   /// Uniforms of a program with SECTION.
-  /// @param plane  world frame: the one of which set() has the picture, in the frame of the object at `pose`.
+  /// @param plane  world frame: the plane of the picture from set(), in the frame of the object at `pose`.
   void setUniforms(const GlProgram& program, const FrameView& view, const Plane& plane, const Rigid3& pose) const;
 
  private:

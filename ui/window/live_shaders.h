@@ -45,8 +45,8 @@ vec3 lit(vec3 n, vec3 color, float gloss, float open) {
 }
 )";
 
-// How values go across a triangle. In parallel projection both ways are the same, and the plain one is cheaper. In
-// perspective it is false: a gradient bends, and of a triangle that goes past the eye all of it is.
+// Interpolation of values across a triangle. In parallel projection both ways agree, and the plain one is cheaper. In
+// perspective it is wrong: a gradient bends, and a triangle that goes past the eye is wrong everywhere.
 inline constexpr const char* kAcross = R"(
 #ifdef PERSPECTIVE
 #define ACROSS
@@ -164,7 +164,7 @@ void main() {
 }
 )";
 
-// Steel: little of its own colour, mostly the studio around it.
+// Steel: little colour of its own, mostly reflections of the studio.
 inline constexpr const char* kToolVertex = R"(
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec4 normal;

@@ -143,7 +143,7 @@ void LiveTool::draw(const FrameView& view, const LiveFrame& frame, const Rigid3&
   glBindVertexArray(array_);
   glEnable(GL_CULL_FACE);
 
-  if (frame.is_ghost) {  // its nearest surface alone shines through: depth first
+  if (frame.is_ghost) {  // only its nearest surface shines through: depth first
     glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
     glDrawArrays(GL_TRIANGLES, 0, corners_);
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
@@ -198,7 +198,7 @@ void LiveTool::drawAxisLine(const GlProgram& flat, const FrameView& view, const 
       addStroke(at - reach * aside, at + reach * aside, (1.5 + extra) * scale, color, alpha, alpha);
     }
   };
-  addAll(Vec3f(1, 1, 1), 2, 0.45);  // a light edge, to be seen on dark and on bright
+  addAll(Vec3f(1, 1, 1), 2, 0.45);  // a light edge, visible on dark and on bright
   addAll(Vec3f(0.05f, 0.17f, 0.32f), 0, 0.9);
 
   glBindVertexArray(line_array_);

@@ -14,13 +14,13 @@ struct LiveFrame;
 
 namespace internal {
 
-/// What of the tool changes the look of a place.
+/// How the tool changes the look of a place.
 enum class Reach { kNone, kShadow, kTip };
 
-/// Where the tool reaches, from an object's frame.
+/// Reach of the tool, in an object's frame.
 struct ToolReach {
   Rigid3 T_approach_object;
-  Box3 around_tip, in_shadow;  ///< approach frame; empty: nothing there
+  Box3 around_tip, in_shadow;  ///< approach frame; empty: none
 
   Reach of(const Box3& box) const {
     const Box3 there = box.transformed(T_approach_object);
@@ -45,17 +45,17 @@ class LiveTool {
   bool isEmpty() const { return corners_ == 0; }
   const Box3& box() const { return box_; }  ///< tool frame, mm
 
-  /// Where it tints and darkens an object that stands there.
+  /// Where the tool tints and darkens an object at that pose.
   ToolReach reachOf(const LiveFrame& frame, const Rigid3& T_world_tool, const Rigid3& T_world_object) const;
-  /// From an object's frame to the one in which the tool goes in along -z.
+  /// From an object's frame to the approach frame, in which the tool goes in along -z.
   Rigid3 toApproach(const Rigid3& T_world_tool, const Rigid3& T_world_object) const;
   /// Texture unit 0: distances to the tool.
   void bindTable() const;
-  /// Of the programs of tissue that know the tool; to_tool is toApproach().
+  /// For tissue programs that use the tool; to_tool is toApproach().
   void setUniforms(const GlProgram& program, const FrameView& view, const LiveFrame& frame) const;
 
   void draw(const FrameView& view, const LiveFrame& frame, const Rigid3& T_world_tool) const;
-  /// On top of everything. Leaves depth test and blending off.   @param flat  draws FlatCorners.
+  /// Draws on top of everything. Leaves depth test and blending off.   @param flat  draws FlatCorners.
   void drawAxisLine(const GlProgram& flat, const FrameView& view, const LiveFrame& frame,
                     const Rigid3& T_world_tool) const;
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kUploadAFrame = 1'000'000;  // bytes: some 15 ms in software; 300 000 triangles take 7 frames
 
-/// Of a part of an object, for the renderer: objects themselves have the number of their id.
+/// Renderer's number of a part of an object; objects themselves have the number of their id.
 std::size_t numberOf(std::uint32_t object, TissuePart part) {
   return object + (std::size_t{part == TissuePart::kSolid ? 1u : 2u} << 32);
 }
@@ -59,7 +59,7 @@ void LiveView::update(Workbench& bench) {
   showTool(bench);
 }
 
-// A piece that came off has left the surface that it came off from: it shall not be missing until its turn comes.
+// A new piece is no longer in its parent's surface: it must not be missing until its upload.
 void LiveView::lookForPieces(const Workbench& bench, const std::vector<ObjectChunks>& changed) {
   for (const ObjectChunks& object : changed) {
     if (object.chunks.empty() || known_.contains(object.id)) continue;
@@ -68,7 +68,7 @@ void LiveView::lookForPieces(const Workbench& bench, const std::vector<ObjectChu
   }
 }
 
-// Maps are of what is worked on. Their colours are values: no piece has another hue then.
+// Maps cover the object to cut. Their colours are values, so pieces keep their hue.
 void LiveView::setChunk(const Workbench& bench, std::size_t object, const MeshChunk& chunk) {
   if (isBeside(bench, object))
     return renderer_->setChunk(object, chunk, bench.tissues().coloursBeside(chunk), chunk.occlusion);
@@ -92,14 +92,14 @@ void LiveView::takeTissues(Workbench& bench) {
     for (const MeshChunkPtr& chunk : change.chunks) setChunk(bench, number, *chunk);
   }
   if (!bench.tissues().areAllShown()) return;
-  is_whole_wanted_ |= !parts_.empty();  // while its parts were shown, the surface itself came last
+  is_whole_wanted_ |= !parts_.empty();  // while its parts were shown, the surface itself was uploaded last
   for (const auto& [number, surface] : std::exchange(parts_, {})) {
     renderer_->removeObject(number);
     sections_.erase(number);
   }
 }
 
-// Another map: all colours anew.
+// Another map: recomputes all colours.
 void LiveView::recolour(const Workbench& bench) {
   if (std::exchange(colours_version_, bench.tissues().coloursVersion()) == bench.tissues().coloursVersion()) return;
   for (const SceneObject* object : bench.scene().shown()) recolour(bench, *object);
@@ -112,7 +112,7 @@ void LiveView::recolour(const Workbench& bench, const SceneObject& object) {
       surface.forEachChunk([&, n = number](const MeshChunk& chunk) { setChunk(bench, n, chunk); });
 }
 
-// A piece that a person gave another colour.
+// A piece with a colour chosen by the user.
 void LiveView::tintPieces(const Workbench& bench) {
   for (const SceneObject* object : bench.scene().shown()) {
     std::string& tint = tints_[object->id];
@@ -145,7 +145,7 @@ void LiveView::placeObjects(const Workbench& bench) {
   }
 }
 
-// What is made of what, anew for an object when the plane has moved through it.
+// Materials in the plane, recomputed for an object when the plane has moved through it.
 void LiveView::showSection(const Workbench& bench) {
   if (!bench.section) return;
   const bool has_parts = bench.tissues().hasPart(TissuePart::kSolid);

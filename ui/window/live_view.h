@@ -1,4 +1,4 @@
-// What the window shows of a workbench: its surface, the tool in hand, the ghost that hovers. For window and pictures.
+// The picture of a workbench: surface, tool in hand, hovering ghost. For window and pictures.
 #pragma once
 
 #include <cstdint>
@@ -20,32 +20,32 @@
 
 namespace kerf {
 
-/// As LiveRenderer: its context is current in every call.
+/// Like LiveRenderer: its context is current in every call.
 class LiveView {
  public:
   static Expected<std::unique_ptr<LiveView>> create();
 
-  /// Workbench::update(), and what came of it to the graphics card. Once a frame.
+  /// Runs Workbench::update() and uploads the changes. Once a frame.
   void update(Workbench& bench);
-  /// Called before what is shown is given up, for a last picture of it.
+  /// `call` runs before the current surface is dropped, for a last picture of it.
   void setBeforeClear(std::function<void()> call) { before_clear_ = std::move(call); }
-  /// Where the tool hovers; none: nowhere.
+  /// Place of the hovering tool; none: no tool.
   void hover(const std::optional<ToolOverSurface>& at) { hover_ = at; }
-  /// True once after something else was opened and its surface is there: time to fit the view.
+  /// True once after a new document's surface is there: time to fit the view.
   bool takeFitWanted();
   bool isFitWanted() const { return is_fit_wanted_; }
 
-  /// The background goes with the panels.
+  /// The panels set the background.
   void setBackground(const Vec3f& middle, const Vec3f& edge) { renderer_->setBackground(middle, edge); }
 
-  /// What was opened comes into the picture over several frames; picture() shows all of it.
+  /// An opened document is uploaded over several frames; picture() shows all of it.
   bool isUploading() const { return renderer_->counts().waiting_pages > 0; }
 
-  /// How smooth the edges are: what moves is drawn fast.
+  /// Smoothness of edges: moving pictures are drawn fast.
   enum class Edges {
     kFast,
     kSmooth,  ///< in this frame
-    kByAndBy  ///< from frame to frame, as long as nothing changes: StillPicture
+    kByAndBy  ///< over several frames while nothing changes: StillPicture
   };
   Expected<void> draw(const Workbench& bench, const Camera& camera, int width, int height, Edges edges);
   Expected<Image> picture(const Workbench& bench, const Camera& camera, int width, int height);
@@ -66,10 +66,10 @@ class LiveView {
 
   std::unique_ptr<LiveRenderer> renderer_;
   std::uint64_t generation_ = 0;
-  std::vector<std::size_t> placed_;           // numbers of the renderer that were in the last picture
+  std::vector<std::size_t> placed_;           // renderer's numbers in the last picture
   std::map<std::size_t, LiveSurface> parts_;  // of tissues, by their number
   std::uint64_t colours_version_ = 0;
-  std::map<std::uint32_t, std::string> tints_;  // of objects, as on the graphics card
+  std::map<std::uint32_t, std::string> tints_;  // by object, as on the graphics card
   std::map<std::size_t, Plane> sections_;       // by number, in their frames, as they are on the graphics card
   std::optional<std::size_t> tool_;
   std::optional<ToolOverSurface> hover_;
@@ -77,7 +77,7 @@ class LiveView {
   StillPicture still_;
   std::set<std::uint32_t> known_;  // objects that have a surface in the renderer
   bool is_fit_wanted_ = false;
-  bool is_whole_wanted_ = false;  // the next frame uploads all: what it shows takes the place of something
+  bool is_whole_wanted_ = false;  // the next frame uploads all: its content replaces other content
   std::function<void()> before_clear_;
 };
 

@@ -98,16 +98,16 @@ bool hasPngEnding(const std::string& path) {
   return ending == ".png";
 }
 
-/// What is to be shown, and how: the words of the command line as values.
+/// Content and settings of the view: values of the command line.
 struct Shown {
   kerf::Camera camera;
   int width = 0, height = 0;
   std::optional<kerf::Vec3d> look_at;
   std::optional<kerf::SectionPlane> cut;
-  std::optional<kerf::Vec3d> up;  ///< none: as the scan tells
+  std::optional<kerf::Vec3d> up;  ///< none: from the scan
 };
 
-/// Errors are of the command line.
+/// Errors concern the command line.
 kerf::Expected<Shown> read(const Arguments& arguments) {
   Shown shown;
   KERF_TRY(camera, kerf::cameraFromView(arguments.view.empty() ? "iso" : arguments.view));
@@ -143,7 +143,7 @@ kerf::Expected<Shown> read(const Arguments& arguments) {
   return shown;
 }
 
-/// The window in which a person cuts, or a script in its place.
+/// Runs the main window, or a script instead.
 kerf::Expected<void> cut(const Arguments& arguments, const Shown& shown) {
   kerf::WorkshopOptions options;
   options.open.assign(arguments.scenes.begin(), arguments.scenes.end());
@@ -174,13 +174,13 @@ kerf::Expected<void> cut(const Arguments& arguments, const Shown& shown) {
   return {};
 }
 
-// A mesh, a case or a run as a picture.
+// Draws a mesh, a case or a run as a picture.
 kerf::Expected<void> draw(const Arguments& arguments, const Shown& shown) {
   KERF_TRY(scene, kerf::loadScene(arguments.scenes.front(), shown.cut, arguments.unit));
   if (!scene.note.empty()) kerf::printText(stderr, "kerf-sim: note: {}\n", scene.note);
   const int width = shown.width, height = shown.height;
   kerf::Camera camera = shown.camera;
-  // A picture stands on its ground: the mesh is turned, not the camera.
+  // The ground of a picture is fixed: this turns the mesh, not the camera.
   const auto found = shown.up ? shown.up : kerf::surelyUp(arguments.scenes.front(), scene.mesh);
   const Eigen::Matrix3d upright = found ? kerf::uprightFrame(*found) : Eigen::Matrix3d::Identity();
   if (!upright.isIdentity() && !shown.up)

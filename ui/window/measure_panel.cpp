@@ -23,7 +23,7 @@ void drawMeasure(AppContext& context, double pixels) {
   const Measure& measure = context.bench.measure;
   if (measure.points().empty()) return;
 
-  // On top of all: what is measured may lie behind something.
+  // On top of everything: the measured point may be hidden.
   ImDrawList* const draw = ImGui::GetBackgroundDrawList();
   std::vector<ImVec2> at;
   for (const Vec3d& point : measure.points()) {

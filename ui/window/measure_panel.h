@@ -5,7 +5,7 @@
 
 namespace kerf {
 
-/// Nothing without points.   @param pixels  of the picture per window unit.
+/// Draws nothing without points.   @param pixels  of the picture per window unit.
 void drawMeasure(AppContext& context, double pixels);
 
 }  // namespace kerf

@@ -90,7 +90,7 @@ struct MeshPicture::Impl {
         internal::glFailure("picture", fmt::format("the driver refuses a framebuffer of {} x {}", width, height)));
   }
 
-  // Both passes read the maps that were drawn before.
+  // Both passes read the maps drawn before.
   void begin(const internal::GlProgram& program, GLuint target, int width, int height) const {
     glBindFramebuffer(GL_FRAMEBUFFER, target);
     glViewport(0, 0, width, height);

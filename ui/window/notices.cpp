@@ -13,7 +13,7 @@ namespace kerf {
 namespace {
 
 constexpr float kGap = 16, kWidest = 720, kNarrowest = 128;
-constexpr float kBelowMenu = 48;       // what is picked is said above
+constexpr float kBelowMenu = 48;       // below the hint for picking
 constexpr float kMostOfHeight = 0.24;  // of the window: the middle of the picture stays free to be cut
 constexpr float kTallest = 260;
 
@@ -54,7 +54,7 @@ void drawNotices(AppContext& context, std::size_t& seen, std::size_t& drawn) {
   ui::begin("##notices", nullptr,
             ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove);
 
-  // The newest: a long list would hide the object.
+  // Only the newest: a long list would hide the object.
   constexpr std::size_t kMost = 3;
   const std::size_t first = std::max(seen, notices.size() - std::min(notices.size(), kMost));
   if (first > seen) ui::textColored(styleColours().quiet, phrase("{} more before", first - seen));

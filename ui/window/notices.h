@@ -1,4 +1,4 @@
-// What was said, until it is dismissed: over the picture, beside the panels.
+// Notices over the picture, beside the panels, until the user dismisses them.
 #pragma once
 
 #include <cstddef>
@@ -7,25 +7,25 @@
 
 namespace kerf {
 
-/// Where notices stand, window units.
+/// Place of the notices, window units.
 struct NoticePlace {
   float middle = 0;       ///< of the box, from the left
-  float edge = 0;         ///< its upper edge, or its lower one if it stands on the bottom
-  bool hangs = true;      ///< from above; else it stands on the bottom
+  float edge = 0;         ///< upper edge of the box; lower edge if it stands on the bottom
+  bool hangs = true;      ///< hangs from above; else stands on the bottom
   float width = 0;        ///< at most
-  float most_height = 0;  ///< what is longer is scrolled
+  float most_height = 0;  ///< longer text scrolls
 };
 
-/// What takes the sides of the window.
+/// Panels at the sides of the window.
 enum class SidePanels { kNone, kBoth, kImport };
 
-/// Between the panels, never over them: as wide as these leave it, up to 720 units of type size 1. In a window in which
-/// they leave less than 128 all of its width.
+/// Between the panels, never over them: as wide as they allow, up to 720 units of type size 1. If they leave less than
+/// 128, the full width of the window.
 /// @param menu  height of the menu bar.   @param scale  of type and panels.
 NoticePlace noticePlace(float width, float height, float menu, float scale, SidePanels panels);
 
-/// Draws the last three of those from `seen` on, the newest in view. OK raises `seen` past all.
-/// @param drawn  how many there were when it was drawn last; this function keeps it.
+/// Draws the last three notices from `seen` on, the newest in view. OK raises `seen` past all.
+/// @param drawn  number of notices at the last draw; this function keeps it.
 void drawNotices(AppContext& context, std::size_t& seen, std::size_t& drawn);
 
 }  // namespace kerf

@@ -14,7 +14,7 @@
 namespace kerf {
 namespace {
 
-// As much of a text as fits, with dots if that is not all. Of characters of UTF-8 none is cut in two.
+// The text as far as it fits, with dots if cut. Never cuts a UTF-8 character in two.
 std::string shortened(std::string_view text, float width) {
   std::string out(text);
   if (ui::textSize(ui::asItIs(out)).x <= width) return out;
@@ -95,7 +95,7 @@ const AppCommand* drawPalette(AppContext& context, CommandPalette& palette) {
       ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - ui::textSize(right).x);
       ui::textColored(colours.quiet, right);
       ImGui::PopID();
-      if (!palette.isShown() || palette.asked()) break;  // the list is another one now
+      if (!palette.isShown() || palette.asked()) break;  // the list has changed
     }
   }
   ImGui::End();

@@ -56,8 +56,7 @@ void drawMenus(AppContext& context, PanelState& state) {
 
 // ---- Readings
 
-// What is under the tool that is led, or under the cursor. As many lines when there is nothing: panels below stay where
-// they are.
+// Point under the guided tool or the cursor. Without one it keeps as many lines, so that panels below do not move.
 void drawPoint(const AppContext& context, bool is_over) {
   std::optional<PointReadout> point = readoutOfTool(context.bench);
   if (is_over && context.pointer) {
@@ -85,7 +84,7 @@ void drawNearStructure(const Workbench& bench, const std::optional<ToolOverSurfa
           near->is_stopped || near->distance_mm < kClose);
 }
 
-// The same of what stands beside: how near, and what was cut off it.
+// The same for neighbours: distance and removed volume.
 void drawNeighbours(const Workbench& bench, const std::optional<ToolOverSurface>& over) {
   constexpr double kClose = 0.2;  // mm
   const std::vector<Neighbour> all = bench.neighbours();
@@ -106,7 +105,7 @@ void drawNeighbours(const Workbench& bench, const std::optional<ToolOverSurface>
       reading(phrase("Cut off {}", other.name).c_str(), fmt::format("{:.3f}", other.removed_mm3), "mm3", true);
 }
 
-// Of the 1 kHz loop: how often, how long, how often too long.
+// The 1 kHz loop: rate, duration, overruns.
 void drawLoop(const Workbench& bench) {
   constexpr double kLeastHz = 995;
   const auto hz = bench.loopHz();
@@ -148,7 +147,7 @@ void drawReadings(AppContext& context, const std::optional<ToolOverSurface>& ove
   ImGui::End();
 }
 
-// ---- What is under way
+// ---- Job under way
 
 void drawJob(AppContext& context) {
   const AnyJob* const job = context.bench.job();
@@ -179,7 +178,7 @@ void drawScaleBar(const AppContext& context, double pixels) {
                  context.camera, context.width, context.height, pixels, styleColours().guide_text);
 }
 
-// Why the stroke removes nothing, in the middle above the timeline, while it lasts.
+// Reason why the stroke removes nothing, in the middle above the timeline, while it lasts.
 void drawHindrance(const AppContext& context) {
   const char* const text = context.bench.hindrance();
   if (!text[0]) return;
@@ -234,7 +233,7 @@ void drawPanels(AppContext& context, PanelState& state, const std::optional<Tool
     drawHindrance(context);
     drawSawPanel(context, state.saw);
     drawExportPanel(context, state.ask_for_file);
-    drawTimeline(context);  // last: a branch that is taken ends the session
+    drawTimeline(context);  // last: taking a branch ends the session
   } else {
     state.first.draw(context, state.ask_for_file);
   }

@@ -1,4 +1,4 @@
-// Menus and panels around the picture. They show a workbench and run commands; they hold nothing else.
+// Menus and panels around the picture. They show a workbench and run commands; they hold no other state.
 #pragma once
 
 #include <functional>
@@ -14,11 +14,11 @@
 
 namespace kerf {
 
-/// What the window remembers between two frames.
+/// State of the panels between two frames.
 struct PanelState {
-  /// Asks for a file first: a command whose parameter is a path. Set by the window.
+  /// For commands whose parameter is a path: asks for a file first. Set by the window.
   std::function<void(const AppCommand&)> ask_for_file;
-  std::size_t notices_seen = 0;   ///< those before were dismissed
+  std::size_t notices_seen = 0;   ///< earlier ones are dismissed
   std::size_t notices_drawn = 0;  ///< in the last frame
   ToolPanelState tools{};
   PieceDrag piece_drag{};
@@ -29,7 +29,7 @@ struct PanelState {
   DevicePanelState devices{};
 };
 
-/// Menu bar, tools, readings, job, notices; the first screen when nothing is open.
+/// Menu bar, tools, readings, job, notices; the first screen while no document is open.
 void drawPanels(AppContext& context, PanelState& state, const std::optional<ToolOverSurface>& over);
 
 }  // namespace kerf

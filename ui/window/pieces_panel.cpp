@@ -71,9 +71,9 @@ void drawMove(Workbench& bench, const SceneObject& piece) {
   if (ui::button("Put back", {-1, 0})) bench.movePiece(piece.id, {});
 }
 
-// Under its name and volume. The first of the pieces has what was removed before they came apart, too.
+// Below its name and volume. The first piece also counts the volume removed before the split.
 void drawRemoved(const SceneObject& piece) {
-  constexpr double kLeast = 0.005;  // mm^3: it would be read as nothing
+  constexpr double kLeast = 0.005;  // mm^3: less would show as zero
   if (piece.removed_mm3 < kLeast) return;
   ImGui::Indent(scaled(30));
   ui::textDisabled(phrase("{:.2f} mm3 removed from it", piece.removed_mm3));
@@ -90,7 +90,7 @@ void giveColour(AppContext& context, const char* name) {
   if (!done) context.bench.complain(done.error());
 }
 
-// The palette; the one it has is framed.
+// The palette; the current colour has a frame.
 void drawColours(AppContext& context, const SceneObject& piece) {
   constexpr auto kFlags = ImGuiColorEditFlags_NoTooltip | ImGuiColorEditFlags_NoPicker | ImGuiColorEditFlags_NoDragDrop;
   for (const PieceColour& colour : pieceColours()) {
@@ -150,7 +150,7 @@ void drawList(AppContext& context, PanelColumn& column) {
   ImGui::End();
 }
 
-// What stands beside.
+// The neighbours.
 void drawBeside(Workbench& bench, PanelColumn& column) {
   column.place();
   ui::begin("Beside", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);

@@ -1,4 +1,4 @@
-// The list of pieces, and the handles by which the chosen one is moved. Shows a workbench and runs its functions.
+// The list of pieces, and handles that move the chosen one. Shows a workbench and runs its functions.
 #pragma once
 
 #include <optional>
@@ -12,7 +12,7 @@ namespace kerf {
 /// A drag of a handle of the chosen piece.
 class PieceDrag {
  public:
-  /// True: a handle is under the pointer, and the drag has begun. @param at  pixels of the picture.
+  /// True: a handle is under the pointer and the drag has begun. @param at  pixels of the picture.
   bool press(AppContext& context, const Pixel& at);
   void move(AppContext& context, const Pixel& at);
   void release(AppContext& context, const Pixel& at);
@@ -28,10 +28,10 @@ class PieceDrag {
   std::optional<PieceGizmo> gizmo_;
 };
 
-/// Handles of the chosen piece; none: nothing is chosen.
+/// Handles of the chosen piece; none without one.
 std::optional<PieceGizmo> gizmoOf(const AppContext& context);
 
-/// The list, when there is more than one piece or one was moved, and the handles over the picture.
+/// The list, if there are several pieces or a moved one, and the handles over the picture.
 /// @param pixels  of the picture per window unit.
 void drawPieces(AppContext& context, const PieceDrag& drag, PanelColumn& column, double pixels);
 

@@ -1,11 +1,11 @@
-// Plots of the last 20 s, a part of the panel of readings that folds.
+// Plots of the last 20 s, a folding part of the readings panel.
 #pragma once
 
 #include "ui/app/app_commands.h"
 
 namespace kerf {
 
-/// Within the panel's window.
+/// Draws within the panel's window.
 void drawPlots(AppContext& context);
 
 }  // namespace kerf

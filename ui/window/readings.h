@@ -9,7 +9,7 @@ namespace kerf {
 
 void reading(const char* name, const std::string& value, const char* unit, bool is_warning = false);
 
-/// The temperature under the tool, and of pulp and nerve canal; in the colour of warnings from their limits on.
+/// Temperature under the tool, of pulp and nerve canal; in the warning colour from their limits on.
 void drawHeat(const Workbench& bench);
 
 }  // namespace kerf

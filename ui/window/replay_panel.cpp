@@ -103,7 +103,7 @@ void drawStepUnder(const WatchedRun& run, std::size_t sample) {
   ui::setTooltip(fmt::format("{:.1f} s", kTick * static_cast<double>(sample)));
 }
 
-// Where a mouse that drags is; it jumps when it has come to another place.
+// The scrub bar follows a dragging mouse; it jumps when the mouse has moved.
 void drawBar(AppContext& context) {
   WatchedRun& run = *context.bench.watched();
   const float width = std::max(ImGui::GetContentRegionAvail().x, scaled(60)), height = scaled(kBarHeight);

@@ -1,5 +1,5 @@
-// The panels of a session that is watched: a scrub bar with its steps below, what was felt and cut at the right. And
-// the question what to do with a run: go on with it, or watch it.
+// The panels of a replay: a scrub bar with steps below, force and removed volume at the right. And the dialog for an
+// opened run: continue it, or watch it.
 #pragma once
 
 #include "ui/app/app_commands.h"
@@ -7,7 +7,7 @@
 namespace kerf {
 
 void drawReplay(AppContext& context);
-/// Nothing, unless somebody has opened a run.
+/// Draws nothing unless the user has opened a run.
 void drawRunQuestion(AppContext& context);
 
 }  // namespace kerf

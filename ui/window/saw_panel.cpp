@@ -119,7 +119,7 @@ void drawSteppers(AppContext& context) {
 }
 
 void drawClearance(AppContext& context) {
-  constexpr double kClose = 2;  // mm: near enough to say so
+  constexpr double kClose = 2;  // mm: below this it warns
   const auto left = context.bench.saw().clearance();
   if (!left) return;
   if (left->is_far)

@@ -1,5 +1,5 @@
-// The panel of saw plans: planes, steppers, guide, 'cut this plane now' with its progress; and the hint while a plane
-// is picked in the view.
+// The panel of saw plans: planes, steppers, guide, 'cut this plane now' with its progress; and the hint while the user
+// picks a plane in the view.
 #pragma once
 
 #include <cstdint>
@@ -9,13 +9,13 @@
 
 namespace kerf {
 
-/// What the panel remembers between two frames.
+/// State of the panel between two frames.
 struct SawPanelState {
-  std::string name;           ///< being typed, of the chosen plane
-  std::uint64_t version = 0;  ///< of the plan when it was taken over
+  std::string name;           ///< name of the chosen plane, during input
+  std::uint64_t version = 0;  ///< version of the plan behind `name`
 };
 
-/// Runs commands; errors become notices. Drawn when something is open.
+/// Runs commands; errors become notices. Drawn while a document is open.
 void drawSawPanel(AppContext& context, SawPanelState& state);
 
 }  // namespace kerf

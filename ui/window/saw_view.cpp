@@ -46,7 +46,7 @@ LivePlan SawView::planOf(const Workbench& bench, const Camera& camera) {
   }
   out.slabs = slabs_;
 
-  // What is being picked, in front of everything.
+  // Picked points, in front of everything.
   const SawPicking& picking = saw.picking;
   out.dots = picking.points();
   if (const auto& from = picking.lineFrom()) {

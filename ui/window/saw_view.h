@@ -1,4 +1,4 @@
-// What the window shows of a saw plan: its planes as slabs, where they meet the surface, what is being picked.
+// The saw plan in the picture: planes as slabs, their contours on the surface, picked points.
 #pragma once
 
 #include <chrono>
@@ -15,7 +15,8 @@ class SawView {
  public:
   /// Once a frame: whether chunks of the surface changed.
   void surfaceChanged(bool has_changed) { is_outdated_ |= has_changed; }
-  /// What to draw now. Contours are found anew when the plan changed, or the surface: then four times a second at most.
+  /// The plan to draw now. Contours are recomputed when the plan or the surface changed; for the surface at most four
+  /// times a second.
   LivePlan planOf(const Workbench& bench, const Camera& camera);
 
  private:

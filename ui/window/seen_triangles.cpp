@@ -19,7 +19,7 @@ using I = hn::RebindToSigned<F>;
 using U = hn::RebindToUnsigned<F>;
 using V = hn::Vec<F>;
 
-// @return  the least w, what is not a number as 0.
+// @return  the least w; NaN counts as 0.
 float projectHere(const float* const positions[3], std::size_t count, const float rows[3][4], float* x, float* y) {
   const F f;
   const std::size_t lanes = hn::Lanes(f);
@@ -45,7 +45,7 @@ struct Corner {
   V x, y;
 };
 
-// Twice the signed area of (from, to, point), and how far rounding can take it.
+// Twice the signed area of (from, to, point), and its rounding error.
 struct Side {
   V across, along, slack;  // of the edge; its slack
   Corner from;
@@ -70,7 +70,7 @@ std::size_t chooseHere(const float* x, const float* y, const std::uint32_t* cons
   const V slack = hn::Set(f, slack_pixels), one = hn::Set(f, 1.0f), two = hn::Set(f, 2.0f);
   std::size_t kept = 0;
   for (std::size_t n = 0; n < count; n += lanes) {
-    // Beyond the last triangle: the first vertex, which is there.
+    // Beyond the last triangle: the first vertex, which exists.
     const auto is_there = hn::FirstN(u, count - n);
     const auto na = hn::IfThenElseZero(is_there, hn::LoadU(u, corners[0] + n));
     const auto nb = hn::IfThenElseZero(is_there, hn::LoadU(u, corners[1] + n));
@@ -91,7 +91,7 @@ std::size_t chooseHere(const float* x, const float* y, const std::uint32_t* cons
     if (!has_backs) is_seen = hn::And(is_seen, hn::Not(hn::Lt(area, least_area)));
     if (hn::AllFalse(f, is_seen)) continue;
 
-    // The first middle of a pixel in its box, and the three beside it; a larger box is kept.
+    // The first middle of a pixel in its box, and the three beside it; keeps triangles with a larger box.
     const V left = hn::Ceil(hn::Sub(hn::Min(hn::Min(a.x, b.x), c.x), slack));
     const V low = hn::Ceil(hn::Sub(hn::Min(hn::Min(a.y, b.y), c.y), slack));
     const V right = hn::Add(hn::Max(hn::Max(a.x, b.x), c.x), slack);
@@ -106,7 +106,7 @@ std::size_t chooseHere(const float* x, const float* y, const std::uint32_t* cons
     const auto is_wide = hn::Le(hn::Add(left, two), right), is_high = hn::Le(hn::Add(low, two), high);
     const auto is_crossed = hn::And(hn::Le(left, right), hn::Le(low, high));
     covers = hn::Or(covers, hn::And(is_crossed, hn::Or(is_wide, is_high)));
-    // What is not a number is drawn.
+    // Draws triangles with NaN.
     covers = hn::Or(covers, hn::Not(hn::Eq(area, area)));
     is_seen = hn::And(is_seen, covers);
 
@@ -131,7 +131,7 @@ namespace {
 
 constexpr std::size_t kBeyond = 8;      // numbers behind the last one that a whole vector may read or write
 constexpr float kRounding = 1.0f / 32;  // pixels: OpenGL promises corners to a sixteenth
-constexpr float kNearest = 1e-3f;       // w of what is too near to the eye, or behind it
+constexpr float kNearest = 1e-3f;       // w of points too near to the eye, or behind it
 
 }  // namespace
 

@@ -1,7 +1,7 @@
-// Which triangles of a mesh a picture needs: those that face the viewer and cover the middle of a pixel.
+// The triangles of a mesh that a picture needs: those that face the viewer and cover the middle of a pixel.
 //
-// Mesa, which draws where there is no graphics card, takes 0.1 us to find out that a triangle shows nothing. Here it is
-// 4 ns, on the thread that draws.
+// Mesa, the renderer without a graphics card, takes 0.1 us to reject an invisible triangle. This takes 4 ns, on the
+// thread that draws.
 #pragma once
 
 #include <cstddef>
@@ -12,17 +12,17 @@
 
 namespace kerf::internal {
 
-/// How a mesh is seen.
+/// View of a mesh.
 struct Sight {
   /// Object frame, mm -> (x w, y w, w). x, y: pixels, whole numbers in the middle of one. w: 1 at the camera's target.
   Eigen::Matrix<float, 3, 4> to_pixels = Eigen::Matrix<float, 3, 4>::Zero();
-  bool has_backs = false;  ///< triangles that are seen from behind are drawn, too
-  bool has_all = false;    ///< all are, whatever they cover
+  bool has_backs = false;  ///< draws triangles seen from behind, too
+  bool has_all = false;    ///< needs all triangles, with or without a covered pixel
 
   friend bool operator==(const Sight&, const Sight&) = default;
 };
 
-/// The vertices and triangles of one mesh, as choosing wants them. Thread: one at a time, any.
+/// The vertices and triangles of one mesh, laid out for choosing. Thread: one at a time, any.
 /// Times: 300 000 triangles with 150 000 vertices, one core of a shared virtual machine.
 class SeenTriangles {
  public:
@@ -33,8 +33,8 @@ class SeenTriangles {
 
   /// Projects the vertices for this sight: 2 ns each.
   void look(const Sight& sight);
-  /// Adds to `out` those of the triangles first .. last - 1 that look()'s sight needs, three vertices each, in order.
-  /// What a driver's rounding could make visible is kept: corners may be off by 1/32 pixel. 4 ns a triangle.
+  /// Appends those of the triangles first .. last - 1 that look()'s sight needs, three vertices each, in order. Keeps
+  /// triangles that a driver's rounding could make visible: corners may be off by 1/32 pixel. 4 ns a triangle.
   void choose(std::size_t first, std::size_t last, std::vector<std::uint32_t>& out) const;
 
  private:

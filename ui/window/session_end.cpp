@@ -28,7 +28,7 @@ Expected<void> endAll(Workbench& bench, LiveView& view) {
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
   };
-  bench.release();  // nobody holds the tool any more
+  bench.release();  // the hand lets the tool go
   wait();
   bench.close();
   wait();

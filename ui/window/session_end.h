@@ -1,4 +1,4 @@
-// How a workbench is left: what was cut is written.
+// Ends a workbench in good order: writes the cut first.
 #pragma once
 
 #include "geometry/base/error.h"
@@ -7,13 +7,13 @@
 
 namespace kerf {
 
-/// From here on SIGTERM, SIGINT and SIGHUP end the program in good order: what was cut is written first.
+/// From here on SIGTERM, SIGINT and SIGHUP end the program in good order: the cut is written first.
 void endWhenTold();
-/// The signal that came; 0: none.
+/// The received signal; 0: none.
 int toldToEnd();
 
-/// What was cut or is being exported is written; what is being opened is cancelled. Waits for both.
-/// @return  the first error of that.
+/// Writes the cut and the running export; cancels an opening. Waits for both.
+/// @return  their first error.
 Expected<void> endAll(Workbench& bench, LiveView& view);
 
 }  // namespace kerf

@@ -22,7 +22,7 @@ void save(AppContext& context) {
   if (const auto done = context.settings->save(); !done) context.bench.complain(done.error());
 }
 
-// A broken file stays as it is until the user says otherwise.
+// Keeps a broken file until the user decides.
 void drawBrokenSettings(AppContext& context) {
   ImGui::PushTextWrapPos(0);
   ui::textColored(styleColours().warning, phrase("The file of settings can not be read, and nothing is kept: {}",
@@ -33,7 +33,7 @@ void drawBrokenSettings(AppContext& context) {
   save(context);
 }
 
-// Those of the user's folder and ours, looked for when the list is opened.
+// Files of the user's folder and Kerf's own, searched when the list opens.
 void drawLanguage(AppContext& context) {
   struct Row {
     std::string id, name;
@@ -48,7 +48,7 @@ void drawLanguage(AppContext& context) {
     rows.push_back({"en", "English"});
     for (const auto& [id, file] : findLanguages(context.settings->path().parent_path())) {
       const auto read = Language::read(file);
-      rows.push_back({id, read ? read->name() : file.filename().string()});  // taken, it says what is wrong
+      rows.push_back({id, read ? read->name() : file.filename().string()});  // if chosen, it reports its error
     }
   }
   for (const Row& row : rows) {
@@ -70,7 +70,7 @@ void drawSettings(AppContext& context) {
   ui::begin("Settings", &context.shows_settings,
             ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse);
   if (context.settings->error()) drawBrokenSettings(context);
-  static const bool has_system_dialog = SystemDialog::program().has_value();  // not to be looked for in each frame
+  static const bool has_system_dialog = SystemDialog::program().has_value();  // avoids a search in each frame
   bool is_set = false;
 
   heading("Looks");
@@ -83,7 +83,7 @@ void drawSettings(AppContext& context) {
     values.theme = Theme::kDark;
     is_set = true;
   }
-  // The window is laid out anew with each size: by steps, so that a slider does not run away from the mouse.
+  // Each size changes the layout of the window: in steps, so that a slider does not run away from the mouse.
   ImGui::AlignTextToFramePadding();
   ui::text(phrase("Size of type and panels: {:.0f} %", 100 * values.ui_scale));
   ui::sameLineAt(scaled(270));

@@ -5,7 +5,7 @@
 
 namespace kerf {
 
-/// Draws it while context.shows_settings. What is changed holds at once and is kept when the mouse lets go.
+/// Draws it while context.shows_settings. Changes apply at once and are saved when the user releases the mouse.
 void drawSettings(AppContext& context);
 
 }  // namespace kerf

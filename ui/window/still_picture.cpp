@@ -11,7 +11,7 @@ namespace {
 
 using internal::glFailure;
 
-// Parts of a pixel to the right and up: the four of a square that is turned, so that no two are in a row or a column.
+// Offsets within a pixel, right and up: the corners of a turned square, so that no two share a row or a column.
 constexpr std::array<std::array<double, 2>, StillPicture::kSamples> kAside = {
     {{-0.125, -0.375}, {0.375, -0.125}, {0.125, 0.375}, {-0.375, 0.125}}};
 
@@ -98,7 +98,7 @@ Expected<void> StillPicture::prepare(int width, int height) {
   return {};
 }
 
-// The n-th sample into the mean of all so far.
+// Adds the n-th sample to the mean.
 void StillPicture::add(int sample) {
   glBindFramebuffer(GL_FRAMEBUFFER, mean_target_);
   glViewport(0, 0, width_, height_);

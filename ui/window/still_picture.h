@@ -1,5 +1,5 @@
-// A picture that gets smooth edges from frame to frame while nothing in it moves. For a processor without a graphics
-// card: supersampled at once it would take 150 ms, and hands that start again would wait for it.
+// A picture whose edges get smooth from frame to frame while nothing moves. For a processor without a graphics card:
+// supersampling at once would take 150 ms and delay hands that start again.
 #pragma once
 
 #include <epoxy/gl.h>
@@ -12,8 +12,8 @@
 
 namespace kerf {
 
-/// Draws the same scene again and again, each time a part of a pixel aside, and shows the mean; after kSamples frames
-/// it shows what it has. As LiveRenderer: its context is current in every call, the destructor included.
+/// Draws the same scene again and again, each time offset by a part of a pixel, and shows the mean. After kSamples
+/// frames it shows the stored mean. Like LiveRenderer: its context is current in every call, the destructor included.
 class StillPicture {
  public:
   static constexpr int kSamples = 4;
@@ -23,16 +23,16 @@ class StillPicture {
   StillPicture(const StillPicture&) = delete;
   StillPicture& operator=(const StillPicture&) = delete;
 
-  /// As LiveRenderer::draw(). What differs from the last call starts anew. Planned cuts are drawn as ever: they move
-  /// with the hand.   @cost  two copies more than a frame, 15 ms at 1280 x 720; one copy once it is smooth.
+  /// Like LiveRenderer::draw(). A change since the last call restarts it. Planned cuts are drawn without smoothing:
+  /// they move with the hand.   @cost  two copies more than a frame, 15 ms at 1280 x 720; one copy once it is smooth.
   Expected<void> draw(LiveRenderer& renderer, const Camera& camera, int width, int height, const LiveFrame& frame);
-  /// The next call starts anew.
+  /// The next call restarts.
   void forget() { samples_ = 0; }
-  /// How many of kSamples are in what was shown last; 0: it was drawn as ever.
+  /// Number of kSamples in the shown picture; 0: drawn without smoothing.
   int samples() const { return samples_; }
 
  private:
-  // What a picture is of.
+  // Content of a picture.
   struct Subject {
     std::uint64_t content = 0;  // LiveRenderer::version()
     Camera camera;
@@ -50,7 +50,7 @@ class StillPicture {
   internal::GlProgram square_, root_;
   GLuint empty_array_ = 0;
   GLuint drawn_target_ = 0, drawn_color_ = 0, drawn_depth_ = 0;  // one sample
-  GLuint mean_target_ = 0, mean_color_ = 0;                      // of the squares: light adds up, sRGB does not
+  GLuint mean_target_ = 0, mean_color_ = 0;                      // of the squares, since sRGB does not add up
 };
 
 }  // namespace kerf

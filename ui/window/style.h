@@ -1,4 +1,4 @@
-// Colours, sizes and type of the panels.
+// Colours, sizes and fonts of the panels.
 #pragma once
 
 #include <imgui.h>
@@ -9,28 +9,28 @@
 
 namespace kerf {
 
-/// Of the panels at the sides, before scaled().
+/// Width of the side panels, before scaled().
 inline constexpr float kPanelWidth = 250;
 
-/// Beside those of Dear ImGui's own style.
+/// Colours beside those of Dear ImGui's style.
 struct StyleColours {
   ImVec4 warning, good, quiet, accent;
-  ImVec4 strong, strong_hovered, strong_text;  ///< of the one button that goes on
-  ImU32 guide = 0, guide_text = 0;             ///< lines and words over the picture
+  ImVec4 strong, strong_hovered, strong_text;  ///< of a panel's primary button
+  ImU32 guide = 0, guide_text = 0;             ///< lines and text over the picture
   Vec3f background_middle, background_edge;    ///< of the picture
 };
 const StyleColours& styleColours();
 
-/// Window units at a scale of 1 to those of now.
+/// From window units at scale 1 to the current scale.
 float scaled(float units);
 
-/// Once, and again when the theme or the scale changes.
+/// Call once, and again when the theme or the scale changes.
 void applyStyle(Theme theme, float scale);
 
-/// The one button of a panel that goes on: filled. @param key  is written behind the label, quiet; may be empty.
-/// A width that is given is one at least.
+/// A panel's primary button: filled. @param key  shown behind the label, quiet; may be empty.
+/// A given `width` is a minimum.
 bool strongButton(const ui::Words& label, const ui::Words& key, float width);
-/// A button beside it.
+/// A secondary button.
 bool plainButton(const ui::Words& label, const ui::Words& key, float width);
 /// A quiet heading over a group of controls.
 void heading(const ui::Words& text);

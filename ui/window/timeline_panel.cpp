@@ -35,7 +35,7 @@ ImVec4 colourOf(TimelineStep::Kind kind) {
   return colours.quiet;
 }
 
-// What was taken back is pale.
+// Undone steps are pale.
 void drawBlocks(const Timeline& timeline, std::size_t done, const ImVec2& corner, float width) {
   const float height = scaled(kBlockHeight), gap = width > 4 ? 1.0f : 0.0f;
   ImDrawList* const list = ImGui::GetWindowDrawList();
@@ -46,7 +46,7 @@ void drawBlocks(const Timeline& timeline, std::size_t done, const ImVec2& corner
     list->AddRectFilled({x + gap, corner.y}, {x + width - gap, corner.y + height}, ImGui::GetColorU32(colour), 2);
   }
 
-  // Below the end of a step behind which others stood, too.
+  // Below the end of a step with dropped successors.
   const float side = scaled(4);
   for (const TimelineBranch& branch : timeline.branches()) {
     if (branch.from < timeline.older()) continue;
@@ -59,7 +59,7 @@ void drawBlocks(const Timeline& timeline, std::size_t done, const ImVec2& corner
   list->AddLine({now, corner.y - 3}, {now, corner.y + height + 3}, ImGui::GetColorU32(ImGuiCol_Text), 2);
 }
 
-// Above the strip, which stays readable.
+// Above the strip, to keep it readable.
 void drawHover(const Workbench& bench, std::size_t block, float top) {
   const Timeline& timeline = bench.timeline();
   const std::size_t n = std::min(block, timeline.steps().size() - 1);
@@ -73,8 +73,8 @@ void drawHover(const Workbench& bench, std::size_t block, float top) {
   ImGui::EndTooltip();
 }
 
-// One line, so that what lies above the strip stays where it can be seen.   @return its width, whatever is done: under
-// a mouse that drags the blocks must not move.
+// One line, to keep the picture above the strip visible.   @return its width, the same for any `done`: it must not move
+// under a mouse that drags the blocks.
 float drawSummary(const Workbench& bench, std::size_t done) {
   const Timeline& timeline = bench.timeline();
   const std::uint64_t older = timeline.older(), all = older + timeline.steps().size();
@@ -110,7 +110,7 @@ float drawBranches(AppContext& context) {
   return width;
 }
 
-// At the right end, if there is a place for it.
+// At the right end, if there is room.
 void drawLoss(const Timeline& timeline, std::size_t done, float blocks_end) {
   const std::string loss = lossOf(timeline.steps().size() - done);
   const float begin = ImGui::GetWindowContentRegionMax().x - ui::textSize(loss).x;
@@ -122,7 +122,7 @@ void drawLoss(const Timeline& timeline, std::size_t done, float blocks_end) {
 }  // namespace
 
 float timelineHeight(const AppContext& context) {
-  constexpr float kReplayHeight = 96;  // of the strip of a session that is watched
+  constexpr float kReplayHeight = 96;  // of the strip of a replay
   if (context.bench.watched()) return scaled(kReplayHeight);
   return hasSteps(context) ? scaled(kStripHeight) + 8 : 0;
 }
@@ -132,7 +132,7 @@ void drawTimeline(AppContext& context) {
   const Workbench& bench = context.bench;
   const Timeline& timeline = bench.timeline();
   const ImGuiIO& io = ImGui::GetIO();
-  const float side = scaled(kPanelWidth) + 16;  // the panels at the sides stay free
+  const float side = scaled(kPanelWidth) + 16;  // leaves the side panels free
   ImGui::SetNextWindowPos({side, io.DisplaySize.y - 8}, ImGuiCond_Always, {0, 1});
   ImGui::SetNextWindowSize({std::max(io.DisplaySize.x - 2 * side, scaled(120)), scaled(kStripHeight)},
                            ImGuiCond_Always);
@@ -144,7 +144,7 @@ void drawTimeline(AppContext& context) {
     ImGui::SameLine(left);
     left += drawBranches(context) + scaled(12);
   }
-  if (count == 0 || !bench.isOpen()) return ImGui::End();  // nothing to go over, or a branch was taken
+  if (count == 0 || !bench.isOpen()) return ImGui::End();  // no steps, or a branch was taken
   ImGui::SameLine(left);
 
   const float space = ImGui::GetContentRegionAvail().x;
@@ -160,7 +160,7 @@ void drawTimeline(AppContext& context) {
   // Left of the first block is the beginning; on a block its end.
   const bool is_before = io.MousePos.x < corner.x + 0.3f * width;
   const auto there = is_before ? 0 : std::min(count, static_cast<std::size_t>(at) + 1);
-  // A refusal is said once, not in each frame of a drag.
+  // Shows an error once, not in each frame of a drag.
   const bool is_asked = bench.saw().isCutting() ? ImGui::IsItemActivated() : ImGui::IsItemActive();
   if (is_asked && there != done) {
     const std::vector<std::string> words{fmt::format("{}", timeline.older() + there)};

@@ -1,11 +1,11 @@
-// The strip of steps below the picture: a block each, where now is, and going elsewhere by mouse.
+// The strip of steps below the picture: a block each, a mark for now, and jumps by mouse.
 #pragma once
 
 #include "ui/app/app_commands.h"
 
 namespace kerf {
 
-/// Window units that the strip takes from the lower edge; 0: there are no steps, and no strip.
+/// Height of the strip at the lower edge, window units; 0 without steps: no strip.
 float timelineHeight(const AppContext& context);
 void drawTimeline(AppContext& context);
 

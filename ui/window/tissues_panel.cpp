@@ -29,7 +29,7 @@ ImVec4 shownTissues(const Rgba8& c) {
   return {one(c[0]), one(c[1]), one(c[2]), 1};
 }
 
-// What is gone, of what there was when it was loaded.
+// Removed share of the volume as loaded.
 void drawRemovedTissues(double whole_mm3, double removed_mm3) {
   constexpr double kLeast = 0.005;  // mm^3
   if (removed_mm3 < kLeast || whole_mm3 <= 0) return;
@@ -87,7 +87,7 @@ void drawTissueColours(AppContext& context) {
   ImGui::PopItemWidth();
 }
 
-// From 0 at the left to the reach of the map, as the surface has it.
+// From 0 at the left to the reach of the map, in the colours of the surface.
 void drawLegend(SurfaceColours colours) {
   const std::optional<MapLegend> legend = legendOf(colours);
   if (!legend) return;

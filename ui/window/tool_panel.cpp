@@ -27,7 +27,7 @@ std::string sizeOf(const Tool& tool) {
   return "";
 }
 
-// "Round bur 014": words, and what begins with a number.
+// "Round bur 014": words, and parts that begin with a number.
 std::string shownName(const Tool& tool) {
   const std::string_view name = tool.name.empty() ? tool.id : tool.name;
   const std::size_t number = std::min(name.find_first_of("0123456789"), name.size());
@@ -37,7 +37,7 @@ std::string shownName(const Tool& tool) {
 void drawIcon(const std::vector<IconTriangle>& icon, ImVec2 at, float side) {
   ImDrawList* const draw = ImGui::GetWindowDrawList();
   const ImDrawListFlags before = draw->Flags;
-  draw->Flags &= ~ImDrawListFlags_AntiAliasedFill;  // else there are seams
+  draw->Flags &= ~ImDrawListFlags_AntiAliasedFill;  // avoids seams
   draw->PushClipRect(at, {at.x + side, at.y + side}, true);
   for (const IconTriangle& t : icon) {
     const float light = std::clamp(t.shade, 0.2f, 1.0f);
@@ -52,7 +52,7 @@ void drawIcon(const std::vector<IconTriangle>& icon, ImVec2 at, float side) {
   draw->Flags = before;
 }
 
-// Clicked: a favourite from now on, or no longer.
+// Toggles a favourite on a click.
 void drawStar(AppContext& context, const Tool& tool, bool is_favourite) {
   constexpr int kPoints = 5;
   constexpr float kInner = 0.42f;
@@ -79,7 +79,7 @@ void drawStar(AppContext& context, const Tool& tool, bool is_favourite) {
   ImGui::SameLine(0, scaled(2));
 }
 
-/// @return  it was clicked.
+/// @return  true on a click.
 bool drawRow(AppContext& context, ToolPanelState& state, const RackView& view, std::size_t n) {
   const Workbench& bench = context.bench;
   const Tool& tool = bench.tool(n);
@@ -111,7 +111,7 @@ bool drawRow(AppContext& context, ToolPanelState& state, const RackView& view, s
   return is_clicked;
 }
 
-// A file that is no tool yet, with what is wrong.
+// A tool file with errors.
 void drawBroken(const Workbench::BrokenTool& broken) {
   const float side = scaled(kIcon), line = ImGui::GetTextLineHeight();
   const ImVec2 at = ImGui::GetCursorScreenPos();
@@ -124,7 +124,7 @@ void drawBroken(const Workbench::BrokenTool& broken) {
   ImGui::PopID();
 }
 
-/// @return  the tool that was clicked. To take it may close what is open, so nothing may be drawn of that behind it.
+/// @return  the clicked tool. Taking it may close the document, so draw no part of that afterwards.
 std::optional<std::size_t> drawRack(AppContext& context, ToolPanelState& state) {
   Workbench& bench = context.bench;
   ImGui::PushItemWidth(-1);
@@ -133,7 +133,7 @@ std::optional<std::size_t> drawRack(AppContext& context, ToolPanelState& state) 
   ImGui::PopItemWidth();
 
   RackView view{.search = state.search.data(), .shows_all = state.shows_all};
-  std::vector<std::string> favourites;  // a star that is clicked changes those of the settings
+  std::vector<std::string> favourites;  // a click on a star changes the settings' favourites
   if (context.settings) favourites = context.settings->values.favourite_tools;
   view.favourites = favourites;
   const std::vector<std::size_t> rows = rackRows(bench, view);
@@ -169,7 +169,7 @@ std::optional<std::size_t> drawRack(AppContext& context, ToolPanelState& state) 
   return clicked;
 }
 
-// Offered where there is something to stop short of.
+// Shown if there are structures to keep.
 void drawStopShort(Workbench& bench) {
   if (bench.structures()->isEmpty()) return;
   bool is_on = bench.stop_short_mm.has_value();
@@ -184,7 +184,7 @@ void drawStopShort(Workbench& bench) {
     bench.stopShort(0.1 * std::round(10 * static_cast<double>(short_of)));
 }
 
-// How far the tool leans; offered while it does.
+// Tilt of the tool; shown while it leans.
 void drawTilt(AppContext& context) {
   Tilt& tilt = context.bench.tilt;
   if (tilt.isUpright()) return;

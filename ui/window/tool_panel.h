@@ -1,4 +1,4 @@
-// The rack: pictures, names, a search; and what the hand does with the tool: push, depth, spray.
+// The tool rack with pictures, names and a search; and the hand's settings: push, depth, spray.
 #pragma once
 
 #include <array>
@@ -10,11 +10,11 @@
 
 namespace kerf {
 
-/// What the window remembers of the rack between two frames.
+/// State of the rack between two frames.
 struct ToolPanelState {
   std::array<char, 64> search{};
   bool shows_all = false;
-  std::size_t in_hand = 0;                                 ///< in the last frame: another one is scrolled to
+  std::size_t in_hand = 0;                                 ///< in the last frame: scrolls to a new one
   std::map<const void*, std::vector<IconTriangle>> icons;  ///< by the tool's shape
 };
 

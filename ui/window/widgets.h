@@ -1,8 +1,8 @@
-// The controls of Dear ImGui that say something to a person: all words of the window go through here, into the language
-// that is chosen (ui/app/language.h). scripts/check-texts refuses those of ImGui:: itself anywhere else.
+// Controls of Dear ImGui with text: all words of the window go through here and into the chosen language
+// (ui/app/language.h). scripts/check-texts forbids those of ImGui:: elsewhere.
 //
-// They are called as those of Dear ImGui, but take words, never printf formats, and their ids are those of the English
-// labels in every language. Thread: that of the window, within a frame.
+// The calls match Dear ImGui's, but take words, never printf formats. Ids are those of the English labels in every
+// language. Thread: that of the window, within a frame.
 #pragma once
 
 #include <imgui.h>
@@ -12,10 +12,10 @@
 
 namespace kerf::ui {
 
-/// What a control says: a text of ours, which is translated, or a name or a value as it is.
+/// Text of a control: one of Kerf's, which is translated, or a name or a value, which is not.
 class Words {
  public:
-  // Not explicit: a text is what a control is given nearly always.
+  // Implicit: controls nearly always take such a text.
   Words(const char* text) : text_(text) {}
   Words(const std::string& text) : text_(text) {}
   Words(std::string_view text) : text_(text) {}
@@ -30,7 +30,7 @@ class Words {
   bool is_name_ = false;
 };
 
-/// The user's own: names of files, pieces and planes; also what is in the language already.
+/// No translation: names of files, pieces and planes; also text that is already translated.
 Words asItIs(std::string_view name);
 
 // ---- Words
@@ -40,17 +40,17 @@ void textColored(const ImVec4& colour, const Words& words);
 void textDisabled(const Words& words);
 void textWrapped(const Words& words);
 void bulletText(const Words& words);
-/// For the item before, while it is hovered or not: the caller asks.
+/// For the previous item, hovered or not: the caller checks.
 void setTooltip(const Words& words);
-/// At a place of the window. @param at  window units.
+/// Draws at a place of the window. @param at  window units.
 void addText(ImDrawList& list, const ImVec2& at, ImU32 colour, const Words& words);
-/// As text() and addText() draw them, window units.
+/// Size as drawn by text() and addText(), window units.
 ImVec2 textSize(const Words& words);
 
-/// On the line of the item before, at a place from the window's left edge, or behind that item where it is longer.
+/// On the line of the previous item, at a place from the window's left edge, or behind that item if it is longer.
 void sameLineAt(float place);
 
-// ---- Controls. A width that is given is one at least: longer words make it larger.
+// ---- Controls. A given width is a minimum: longer words make it larger.
 
 bool button(const Words& label, const ImVec2& size = {0, 0});
 bool smallButton(const Words& label);

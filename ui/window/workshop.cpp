@@ -51,9 +51,9 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-constexpr double kStillAfter = 0.2;  // s without input or cut: the picture is drawn once more, smooth
-constexpr double kHarder = 2;        // times the force, while Shift is down
-constexpr double kNotch = 0.1;       // mm of depth, of the wheel during a stroke
+constexpr double kStillAfter = 0.2;  // s without input or cut: then draws the picture once more, smooth
+constexpr double kHarder = 2;        // factor of the force, while Shift is down
+constexpr double kNotch = 0.1;       // mm of depth a notch of the wheel, during a stroke
 
 // ---- The loop
 
@@ -119,7 +119,7 @@ class Workshop {
     glfwGetWindowSize(desktop_.window(), &window_width_, &window_height_);
     glfwGetFramebufferSize(desktop_.window(), &context_.width, &context_.height);
     if (context_.width == 0 || context_.height == 0 || window_width_ == 0) {  // minimised
-      bench_.release();                                                       // unseen nothing is cut
+      bench_.release();                                                       // no cutting while hidden
       bench_.arm().pause(true);
       (void)desktop_.takeEvents();
       (void)game_controller_.read();
@@ -163,7 +163,7 @@ class Workshop {
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
     glfwSwapBuffers(desktop_.window());
 
-    // Not before all of the surface is on the graphics card, and not while a hand is at work.
+    // Waits until all of the surface is on the graphics card and no hand is at work.
     if (is_still && !view_->isUploading() && std::exchange(is_picture_due_, false)) takePicture();
     ++frames_;
     endIfAsked();
@@ -171,14 +171,14 @@ class Workshop {
     return {};
   }
 
-  // For a terminal, when that is wanted.
+  // For a terminal, if enabled.
   void printNotices() {
     if (!options_.tells) return;
     for (const auto& notices = bench_.notices(); told_ < notices.size(); ++told_)
       printText(stderr, "kerf-sim: {}: {}\n", notices[told_].is_error ? "error" : "note", notices[told_].text);
   }
 
-  // The button of the window's frame asks as the command does; the system does not.
+  // The window's close button asks like the command; a signal does not.
   void endIfAsked() {
     if (glfwWindowShouldClose(desktop_.window())) {
       glfwSetWindowShouldClose(desktop_.window(), GLFW_FALSE);
@@ -187,7 +187,7 @@ class Workshop {
     wants_end_ = context_.wants_quit || toldToEnd() != 0;
   }
 
-  // From the first session on. Without a device all is silent, and that is said once.
+  // From the first session on. Without a device there is no sound, and one notice.
   void updateSound() {
     const Settings& now = settings_.values;
     const double volume = now.is_muted ? 0 : 0.01 * now.sound_volume;
@@ -219,7 +219,7 @@ class Workshop {
   }
 
   void fitFirst() {
-    camera_before_import_.reset();  // what is open now is another one than before
+    camera_before_import_.reset();  // another document is open now
     const auto camera = cameraFromView(options_.view);
     firstView(context_, camera ? *camera : Camera{});
     setTitle(bench_.name());
@@ -228,14 +228,14 @@ class Workshop {
     is_picture_due_ = true;
   }
 
-  // A small picture of what is open, for the first screen: when it was opened, and again as it was left.
+  // A small picture of the document for the first screen: once after opening, and again when leaving.
   void takePicture() {
     if (picture_of_.empty() || box_.isEmpty()) return;
     Camera camera = camera_;
     fitToBox(camera, box_, kCardWidth, kCardHeight);
     view_->hover({});
     auto image = view_->picture(bench_, camera, kCardWidth, kCardHeight);
-    if (!image) return;  // a list without a picture is no failure
+    if (!image) return;  // a missing picture is no failure
     writing_picture_ = std::make_unique<Job<void>>(
         "a picture", [image = std::move(*image), to = bench_.recent().pictureOf(picture_of_)](const Progress&) {
           std::error_code ignored;
@@ -244,12 +244,12 @@ class Workshop {
         });
   }
 
-  // What is given is shown as it is: a name, or words that are translated.
+  // `what` is shown unchanged: a name, or translated words.
   void setTitle(const std::string& what) {
     glfwSetWindowTitle(desktop_.window(), (what.empty() ? "Kerf" : what + " - Kerf").c_str());
   }
 
-  // While a scan is imported the session that is open, if any, rests; its view comes back when the scan is put away.
+  // During an import an open session pauses; its view returns when the import is closed.
   void updateImport() {
     const ImportSet* const set = bench_.importSet();
     import_view_->update(set ? std::optional(set->picture(panels_.import.shows_solid)) : std::nullopt);
@@ -300,7 +300,7 @@ class Workshop {
       }
     }
     takeDevices();
-    pressHarder(io.KeyShift && !bench_.isOnPedal());  // there Shift is a larger step
+    pressHarder(io.KeyShift && !bench_.isOnPedal());  // Shift means a larger step there
     panels_.pixels = pixels();
     context_.pointer = io.WantCaptureMouse ? std::nullopt : std::optional(std::array{pointer()[0], pointer()[1]});
     panels_.piece_drag.hover(context_, pointer());
@@ -313,7 +313,7 @@ class Workshop {
     view_->hover(over_);
   }
 
-  // Gamepad and SpaceMouse. Of a window that does not have the focus they are nobody's.
+  // Gamepad and SpaceMouse. A window without the focus ignores them.
   void takeDevices() {
     const Clock::time_point now = Clock::now();
     const double seconds = std::chrono::duration<double>(now - std::exchange(devices_read_, now)).count();
@@ -332,7 +332,7 @@ class Workshop {
     last_input_ = now;
   }
 
-  // The pad shakes while it drills, and stands still out of focus, in a pause, and when nothing turns.
+  // The pad shakes while it drills. It stands still out of focus, in a pause, and when nothing turns.
   void shakePad(bool is_ours) {
     const bool shakes = is_ours && gamepad_.isUsed() && bench_.isPressed();
     game_controller_.shake(shakes ? rumbleOf(bench_.report(), bench_.driveShare()) : Rumble{});
@@ -345,7 +345,7 @@ class Workshop {
                        pad,  game_controller_.name(),  game_controller_.isJoystick(), game_controller_.canShake()};
   }
 
-  // While text is typed only the window's own end is a command.
+  // During text input only closing the window is a command.
   void key(const InputEvent& e, bool is_text) {
     if (!e.is_down) return keyUp(e.key);
     if (takesForceAway(e)) return;
@@ -366,17 +366,17 @@ class Workshop {
     for (const AppCommand& command : appCommands()) {
       if (command.key.empty() || keyChord(command.key) != KeyChord{e.key, modifiers}) continue;
       if (is_text && command.id != "app.quit") return;
-      if (!command.is_enabled(context_)) continue;  // Esc leaves what there is to leave
+      if (!command.is_enabled(context_)) continue;  // Esc runs its first enabled command
       if (asksForFile(command))
         askForFile(command);
       else
         say(command.run(context_, {}));
-      if (std::exchange(context_.wants_palette, false)) palette_.show();  // the next characters are for it
+      if (std::exchange(context_.wants_palette, false)) palette_.show();  // it gets the next characters
       return;
     }
   }
 
-  // Whatever else has the keys.
+  // Works whichever control has the keys.
   bool takesForceAway(const InputEvent& e) {
     const AppCommand& disarm = *findAppCommand("device.disarm");
     if (keyChord(disarm.key).key != e.key || !disarm.is_enabled(context_)) return false;
@@ -432,7 +432,7 @@ class Workshop {
     return {tilts, (modifiers & GLFW_MOD_CONTROL) != 0, (modifiers & GLFW_MOD_SHIFT) != 0};
   }
 
-  // What is typed comes as characters.
+  // Typed text comes as characters.
   void paletteKey(int key) {
     if (key == GLFW_KEY_ESCAPE) palette_.back();
     if (key == GLFW_KEY_BACKSPACE) palette_.erase();
@@ -446,7 +446,7 @@ class Workshop {
     if (!done) bench_.complain(done.error());
   }
 
-  // Points or a line of a plane are picked with the left button.
+  // The left button picks points or a line of a plane.
   bool isPicking(const InputEvent& e) const {
     return e.key == GLFW_MOUSE_BUTTON_LEFT && bench_.saw().picking.what() != SawPicking::What::kNothing;
   }
@@ -512,7 +512,7 @@ class Workshop {
 
   static constexpr int kNone = -1;
   const WorkshopOptions& options_;
-  Desktop desktop_;  // before what needs its context
+  Desktop desktop_;  // before members that need its context
   Workbench bench_;
   Camera camera_;
   SettingsFile settings_;
@@ -524,7 +524,7 @@ class Workshop {
   std::unique_ptr<Job<void>> writing_picture_;
   std::unique_ptr<SoundThread> sound_;
   bool is_picture_due_ = false;
-  fs::path picture_of_;  // what was shown last, and its box
+  fs::path picture_of_;  // last shown document, and its box
   Box3 box_;
   PanelState panels_;
   FileChooser files_;
@@ -541,7 +541,7 @@ class Workshop {
   double x_ = 0, y_ = 0;  // of the pointer, window units
   int window_width_ = 1, window_height_ = 1;
   int held_ = kNone;
-  std::optional<Vec3d> pivot_;  // what was under the cursor when the view began to be turned
+  std::optional<Vec3d> pivot_;  // place under the cursor when the turn began
   bool pans_ = false, is_harder_ = false, wants_end_ = false, is_software_ = true;
   int frames_ = 0;
   std::size_t told_ = 0;  // notices

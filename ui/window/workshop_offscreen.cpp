@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// What is done with the workbench while nobody looks at it.
+// Runs the workbench without a window.
 using Play = std::function<Expected<void>(AppContext& context, const std::function<void()>& frame)>;
 
 Expected<void> runOffscreen(const WorkshopOptions& options, const Play& play) {
@@ -37,7 +37,7 @@ Expected<void> runOffscreen(const WorkshopOptions& options, const Play& play) {
   if (!gl) return fail(gl.error());
   KERF_TRY(view, LiveView::create());
   Workbench bench(options.bench);
-  bench.waitForTools();  // no frame is waited for
+  bench.waitForTools();  // does not wait for frames
   KERF_TRY(camera, cameraFromView(options.view));
   const Camera first = camera;
   SettingsFile settings(options.config);
@@ -89,7 +89,7 @@ Expected<void> runWorkshopScript(const fs::path& script, const WorkshopOptions& 
   endWhenTold();
   auto done =
       runOffscreen(options, [&](AppContext& context, const auto& frame) { return runScript(context, script, frame); });
-  if (const int number = toldToEnd()) {  // it was put off, not swallowed
+  if (const int number = toldToEnd()) {  // the signal was deferred: raises it now
     std::signal(number, SIG_DFL);
     std::raise(number);
   }
