@@ -1,4 +1,4 @@
-// How long a bake and an export take, against the library calls they stand on.
+// Time of a bake and of an export, relative to the library calls beneath them.
 #include "preprocess/bake/bake.h"
 
 #include <fmt/format.h>
@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The mesh of the user, or the demo molar with triangles of that edge, mm.
+// The user's mesh, or the demo molar with triangles of that edge length, mm.
 Expected<fs::path> meshOf(const Bench& bench, double edge) {
   if (!bench.mesh.empty()) return fs::path(bench.mesh);
   const fs::path molar = bench.scratch.path() / "molar.ply";
@@ -29,7 +29,7 @@ Expected<fs::path> meshOf(const Bench& bench, double edge) {
   return molar;
 }
 
-// The whole bake, files included, against the bare library call on the solid it voxelizes.
+// The whole bake with its files, relative to the bare library call on the same solid.
 Expected<Result> bakeOf(SceneId scene, const fs::path& path, int repetitions, const Bench& bench) {
   Result r(scene, "");
   r.ratio_to = "meshToVolume alone on the closed mesh, same bands";

@@ -1,4 +1,4 @@
-// How long a motion of a tool takes when geometry alone counts.
+// Time of a geometry-only tool motion.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 namespace kerf::cli {
 namespace {
 
-// A block of 12 x 8 x 5 mm with its top at z = 0, every node of its box stored.
+// A block of 12 x 8 x 5 mm with its top at z = 0. Every node of its box is stored.
 BrickField blockField(double h) {
   Box3 box;
   box.add(Vec3d(-6, -4, -5));

@@ -1,4 +1,5 @@
-// The whole way of a force, on the clock: a simulated arm, datagrams, mailbox, haptic thread, and back to its motors.
+// The full path of a force in real time: simulated arm, datagrams, mailbox, haptic thread, and back to the arm's
+// motors.
 #include <fmt/format.h>
 
 #include <chrono>
@@ -51,7 +52,7 @@ Expected<void> pressThroughTheStack(Result& r, const Bench& bench) {
 
   KERF_TRY(tool, toolOfRack("round-018"));
   KERF_TRY(model, makeModel(std::span(&tool, 1)));
-  model.tools[0].drive.speed = 0;  // a wall: nothing is cut
+  model.tools[0].drive.speed = 0;  // a wall: no cut
   model.settings.coupling = coupling.settings;
   KERF_TRY(block, practiceBlock({4, 4, 2}, 0.1, {}, Material::kEnamel));
 
@@ -70,7 +71,7 @@ Expected<void> pressThroughTheStack(Result& r, const Bench& bench) {
                                                 .most_stiffness = coupling.settings.stiffness}));
   while (!arm->report().is_over) {
     haptic.update();
-    // A machine too busy to run a thread for 20 ms latches; the person goes on.
+    // A machine that stalls a thread for 20 ms latches. The person continues.
     if (haptic.report().is_latched && arm_here->counts().is_talking) haptic.send(ClearLatch{});
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }

@@ -1,12 +1,12 @@
-// The scene of `kerf-bench devices` that runs on the clock.
+// The real-time scene of `kerf-bench devices`.
 #pragma once
 
 #include "bench/bench.h"
 
 namespace kerf::cli {
 
-/// A simulated arm behind a bridge presses on a wall as stiff as its profile bears, for 10 s: ages and jitter of
-/// forces, energy given. Its times are of this machine as it is.
+/// A simulated arm behind a bridge presses for 10 s on a wall, as stiff as its profile permits. Measures age and jitter
+/// of forces and the energy given. The times depend on the machine.
 Expected<void> pressThroughTheStack(Result& r, const Bench& bench);
 
 }  // namespace kerf::cli

@@ -1,5 +1,5 @@
-// Whether force-feedback devices of any make, in any hand, are given energy or tremble, with the coupling that their
-// profile gets: sim/hand/device_profile.h.
+// Whether devices of any make, in any hand, gain energy or tremble with the coupling from their profile:
+// sim/hand/device_profile.h.
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
@@ -23,22 +23,22 @@ using namespace scenes;
 
 // ---- One device, pressed and held
 
-constexpr double kPressed = 0.4, kEnd = 1.6;  // s: pressed until, held until
+constexpr double kPressed = 0.4, kEnd = 1.6;  // s: end of the press, end of the hold
 constexpr int kTicks = 1600;
 constexpr int kEnergyTicks = 580, kTremblingTicks = 256;
 
 struct Grasp {
-  Model model;  // with the coupling of the device
+  Model model;  // with the device's coupling
   std::shared_ptr<const BakedObject> object;
   std::function<Rigid3(const Vec3d&)> pose;   // of the device, from its coordinates
-  std::function<Vec3d(const Wrench&)> force;  // along them
-  std::function<Vec3d(double)> wanted;        // by the arm, at a time
+  std::function<Vec3d(const Wrench&)> force;  // along the coordinates
+  std::function<Vec3d(double)> wanted;        // target of the arm at a time
   HeldDeviceNumbers numbers;
 };
 
 struct Held {
   double given = 0;      // energy over the last 0.58 s, N mm = mJ
-  double trembling = 0;  // from end to end over the last 0.256 s, less its trend, mm or rad
+  double trembling = 0;  // peak to peak over the last 0.256 s, detrended, mm or rad
   double ripple = 0;     // the same, above 15 Hz
   double force = 0;      // mean over the same time, N or N mm
 };
@@ -53,7 +53,7 @@ double rangeOf(std::span<const Vec3d> values) {
   return (high - low).maxCoeff();
 }
 
-// Less the straight line through them, by least squares.
+// Subtracts the least-squares line.
 std::vector<Vec3d> withoutTrend(std::span<const Vec3d> values) {
   const auto n = static_cast<double>(values.size());
   Vec3d mean = Vec3d::Zero(), slope = Vec3d::Zero();
@@ -71,7 +71,7 @@ std::vector<Vec3d> withoutTrend(std::span<const Vec3d> values) {
   return out;
 }
 
-// Less the mean over 1/15 s around each: the last `count` but half of that.
+// Subtracts the mean over 1/15 s around each value, for the last `count` values that have half of 1/15 s after them.
 std::vector<Vec3d> above15Hz(std::span<const Vec3d> values, int count) {
   constexpr int kHalf = 33;
   const int end = static_cast<int>(values.size()) - kHalf;
@@ -126,7 +126,7 @@ Expected<std::vector<Held>> holdMany(std::size_t draws, const GraspOf& grasp, do
 }
 
 struct Unit {
-  const char* name;  // of a thousandth of what moves
+  const char* name;  // of a thousandth of the coordinate's unit
   double runaway;    // mm or rad
 };
 constexpr Unit kMicrometres{"um", 1}, kMilliradians{"mrad", 0.02};
@@ -175,7 +175,7 @@ Expected<Model> modelOf(const char* tool_id, bool is_running) {
   return model;
 }
 
-// A ball, its drive off, on enamel; the arm 2 mm beyond the surface.
+// A ball with its drive off on enamel. The arm's target lies 2 mm beyond the surface.
 struct Wall {
   Model model;
   std::shared_ptr<const BakedObject> block;
@@ -212,7 +212,7 @@ Expected<void> pressOnWall(Result& r, const Bench& bench) {
   KERF_TRY(before, holdMany(200, alike, 0.4, "wall, one coupling for all", bench));
   addHeld(r, "wall, one coupling for all", before, kMicrometres, false, "lost, for comparison");
 
-  // What is lost of the force.
+  // Loss of force.
   const auto perfect = [&](std::size_t draw) {
     HeldDeviceNumbers numbers = randomDevice(100'000 + draw);
     numbers.delay_s = numbers.step = 0;

@@ -1,5 +1,5 @@
-// Implant drills: how fast they feed under a hand, how long a site takes, how thrust grows with diameter and density.
-// Numbers, not times, the same on every machine.
+// Implant drills: feed under a hand, time per site, thrust by diameter and density. Machine-independent numbers, no
+// times.
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
@@ -28,14 +28,14 @@ using namespace scenes;
 constexpr double kVoxel = 0.1;
 constexpr std::array kDiameters{2.0, 2.8, 3.5, 4.2};  // mm
 constexpr double kSlow = 800, kFast = 1500;           // rpm
-constexpr double kDeep = 10;                          // mm, of a site at its full width
+constexpr double kDeep = 10;                          // mm, depth of a site at full width
 constexpr double kPlate = 2;                          // mm of cortical bone over cancellous
 
 double speedOf(double rpm) { return rpm * 2 * std::numbers::pi / 60; }
 
 // ---- Drills
 
-// The rack ends at 3.5 mm: the widest is the same drill drawn wider.
+// The rack ends at 3.5 mm. The widest drill here is that drill, enlarged.
 Expected<Tool> drillOf(double diameter, const Bench& bench) {
   const std::string id = fmt::format("drill-{:02.0f}", 10 * diameter);
   if (diameter < 4) return toolOfRack(id);
@@ -61,14 +61,14 @@ Expected<Model> allDrills(const Bench& bench) {
 
 // ---- Feed under a hand
 
-// By DrillLips, the point all in. mm/s
+// Feed by DrillLips with the whole point in bone. mm/s
 double feedByLaw(double diameter, double rpm, double force, double hardness) {
   const double per_feed = DrillLips::kThrust * std::pow(diameter, 1.25) * hardness;
   const double a_turn = std::clamp(force / per_feed - DrillLips::kRubbing, 0.0, DrillLips::kMostFeed * diameter);
   return a_turn * rpm / 60;
 }
 
-// The pilot drill under a constant force.   @return mm/s, once its point is in.
+// The pilot drill under a constant force.   @return mm/s, after its point has entered.
 Expected<double> pressPilot(Result& r, const Model& drills, Material material, double rpm, double force) {
   Model model = drills;
   model.tools.resize(1);
@@ -108,7 +108,7 @@ Expected<void> pressPilots(Result& r, const Model& drills, const Bench& bench) {
 
 // ---- Sites
 
-// Each an object of its own, tops at z = 0 and below the plate.
+// Each site is its own object, with its top at z = 0 and below the plate.
 using Bone = std::vector<std::shared_ptr<const BakedObject>>;
 
 Expected<Bone> plateOverCancellous() {
@@ -124,9 +124,9 @@ State freshSite(const Bone& bone) {
   return state;
 }
 
-// A guided hand pushes straight down with a constant force, from where the point meets the hole's rim.
-// @param hole  mm, the width of the hole that is there; 0: none.
-// @return s until the hole is kDeep at its full width; NaN: not in 20 s.
+// A guided hand pushes straight down with a constant force, from contact of the point with the hole's rim.
+// @param hole  mm, width of the existing hole; 0: none.
+// @return s until the hole is kDeep at its full width; NaN: not within 20 s.
 double drillDown(const Model& model, State& state, std::size_t drill, double force, double hole) {
   constexpr double kLongest = 20;  // s
   const ToolModel& tool = model.tools[drill];
@@ -187,7 +187,7 @@ struct Thrust {
   double diameter, density, force;
 };
 
-// Density classes as parts of cortical bone's: D1 to D4 lie as 4 : 1.
+// Density classes as fractions of cortical bone. D1 : D4 is 4 : 1.
 constexpr std::array kClasses{1.0, 0.75, 0.5, 0.25};
 
 // ln F = c + p ln D + q ln rho by least squares.   @return c, p, q.
@@ -209,7 +209,7 @@ Expected<void> feedDrills(Result& r, const Model& drills, const Bench& bench) {
   model.settings.rendering = Rendering::kRigid;
   Tissue& bone = model.tissues[static_cast<std::size_t>(Material::kCortical)];
   const Tissue dense = bone;
-  // Stiffness as the table has it: a power of density through cortical and cancellous bone.
+  // Stiffness from the table: a power law of density through cortical and cancellous bone.
   const Tissue& sponge = model.tissues[static_cast<std::size_t>(Material::kCancellous)];
   KERF_TRY(materials, readDefaultMaterials());
   KERF_TRY(cortical, materials.require("cortical"));

@@ -1,4 +1,4 @@
-// Drives: what a hand's force buys, what stalls, how long they run down. No times.
+// Drives: removal by hand force, stall force, run-down time. No times of the machine.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -29,7 +29,7 @@ Expected<Model> modelOf(const char* id, const char* handpiece = nullptr) {
   return model;
 }
 
-// Pressed onto a bar 2 mm wide: a bur that is long lies across it with its whole length, a short one goes straight in.
+// Pressed onto a bar 2 mm wide. A long bur lies across it with its whole length, a short one enters straight.
 HoldScene pressed(const Model& model, std::shared_ptr<const BakedObject> bar, double force) {
   HoldScene scene;
   scene.object = std::move(bar);
@@ -52,11 +52,11 @@ Expected<std::shared_ptr<const BakedObject>> bar(Material material) {
 
 struct Sweep {
   double best_force = 0, best_rate = 0;  // N, mm^3/s
-  double stall_force = 0;                // N: the least that stops it; 0: none
+  double stall_force = 0;                // N: lowest force that stops the drive; 0: none
   double most_power = 0;                 // N mm/s
 };
 
-// By what force it takes most, and what stops it. In steps of a tenth; a stall shows within two seconds.
+// Force of the highest removal, and stall force, in steps of a tenth. A stall shows within two seconds.
 using HoldAt = std::function<Hold(double force)>;
 Sweep sweepForces(const HoldAt& at, double least, double most) {
   Sweep out;
@@ -75,7 +75,7 @@ Sweep sweepForces(const HoldAt& at, double least, double most) {
   return out;
 }
 
-// Friction grip, of each kind and size there is: head diameters of 1.0 to 2.1 mm.
+// Friction grip of each kind and size: head diameters of 1.0 to 2.1 mm.
 constexpr const char* kTurbineBurs[] = {"856-016", "856-021", "837-012", "801-014", "us-1157"};
 
 // Macor, medium grit: 0.44, 1 and 1.83 N took 0.58 : 1 : 0.99 (facts of drills and drives).
@@ -136,7 +136,7 @@ Expected<void> compareHandpieces(Result& r, const Bench& bench) {
   return {};
 }
 
-// A piezo tip on bone, its edge down: what is pressed damps it.
+// A piezo tip with its edge down on bone. Pressing damps it.
 Expected<void> pressPiezo(Result& r, const Bench& bench) {
   if (!report(bench.progress, 0.9, "piezo")) return cancelled();
   KERF_TRY(model, modelOf("saw-piezo-050"));

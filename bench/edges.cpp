@@ -1,4 +1,4 @@
-// How smoothly force goes on where a tool slides off an edge, off a thin wall, over a groove: every tool, its drive
+// Smoothness of the force where a tool slides off an edge, off a thin wall, or over a groove. Every tool, its drive
 // off.
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
@@ -21,10 +21,10 @@ using namespace scenes;
 
 constexpr double kVoxel = 0.1;
 
-// ---- What a spring does that is let go
+// ---- Release of a spring
 
-// The largest change of the felt force in a tick, over the force, when what holds the tool is gone from one tick to the
-// next: the coupling's own release. The equations are linear, so it is the same for any force.
+// The largest change of the felt force per tick, over the force, after the support of the tool vanishes within a tick:
+// the coupling's own release. The equations are linear, so the ratio holds for any force.
 double releaseOverForce(const CouplingSettings& coupling) {
   ToolBody body;
   DeviceMotion device;
@@ -47,7 +47,7 @@ using Object = std::shared_ptr<const BakedObject>;
 struct Place {
   const char* name;
   Object object;
-  double edge = 0;  // x, mm: where the tool starts to leave
+  double edge = 0;  // x, mm: start of the exit
 };
 
 Expected<std::vector<Place>> places(const Rigid3& frame) {
@@ -74,12 +74,12 @@ Expected<std::vector<Place>> places(const Rigid3& frame) {
 
 struct Slide {
   double jump = 0;    // N a tick, the largest change of the felt force
-  double excess = 0;  // N a tick, the largest beyond what a spring does that is let go
+  double excess = 0;  // N a tick, the largest excess over the release of a spring
 };
 
 Slide slide(const Model& model, const Place& place, const Rigid3& frame, double lean, double force, double speed,
             double release) {
-  constexpr double kPress = 0.25;  // s until the hand has pressed
+  constexpr double kPress = 0.25;  // s of pressing before the slide
   const ToolModel& tool = model.tools[0];
   const Vec3d first = tool.plunge_direction.normalized();
   const Eigen::Quaterniond upright = Eigen::Quaterniond::FromTwoVectors(first, -Vec3d::UnitZ());

@@ -1,4 +1,4 @@
-// What a hand feels, by material, tool and feed, against the laws in closed form: numbers, not times.
+// Forces on the hand by material, tool and feed, against the laws in closed form. Numbers, not times.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ namespace {
 
 using namespace scenes;
 
-// A tool pressed straight down into a block with constant force: means over a stretch of depth.
+// A tool pressed straight down into a block with constant force. Means over a range of depth.
 struct Plunge {
   double rate = 0, load = 0;  // mm^3/s, N
   std::vector<double> parts;  // removed in each eighth of the time, mm^3
@@ -64,8 +64,8 @@ Expected<Plunge> plunge(const Model& model, std::shared_ptr<const BakedObject> b
   return out;
 }
 
-// Constant force: removal rates of a round bur, plunged, material by material. Its drive holds its speed: a turbine's
-// falls with the depth of the hole.
+// Constant force: removal rates of a round bur plunged into each material. Its drive holds its speed; a turbine would
+// slow down with the depth of the hole.
 Expected<void> plungeIntoMaterials(Result& r, const Bench& bench) {
   KERF_TRY(bur, toolOfRack("round-014"));
   bur.drive.handpiece = findHandpiece("electric");
@@ -73,7 +73,7 @@ Expected<void> plungeIntoMaterials(Result& r, const Bench& bench) {
   model.settings.coupling.stiffness = ForceHand::kStiffness;
   KERF_TRY(table, readDefaultMaterials());
   std::map<std::string, double> rates;  // mm^3/s per N
-  // Gently in what is soft, so that every plunge takes some seconds.
+  // Light force in soft materials, so that every plunge lasts some seconds.
   for (const auto& [id, force] :
        {std::pair("enamel", 3.0), std::pair("dentin", 1.0), std::pair("cortical", 1.0), std::pair("cancellous", 0.1)}) {
     if (!report(bench.progress, 0.1, "constant force")) return cancelled();
@@ -90,7 +90,7 @@ Expected<void> plungeIntoMaterials(Result& r, const Bench& bench) {
     }
   }
 
-  // By the law the rate goes with mu / u_s.
+  // By the law, the rate is proportional to mu / u_s.
   const auto compare = [&](const char* hard, const char* soft) {
     const auto of = [&](const char* id) {
       const MaterialProperties row = *table.require(id);
@@ -105,8 +105,8 @@ Expected<void> plungeIntoMaterials(Result& r, const Bench& bench) {
   return {};
 }
 
-// A ball whose whole surface moves at one speed, pressed into dentin with eight forces: the rate of removal over the
-// normal load is a line through the origin whose slope is mu v / u_s.
+// A ball with uniform surface speed, pressed into dentin with eight forces. Removal rate over normal load is a line
+// through the origin with slope mu v / u_s.
 Expected<void> fitRemoval(Result& r, const Bench& bench) {
   constexpr double kRadius = 0.8, kSpeed = 840;
   Model model;
@@ -133,7 +133,7 @@ Expected<void> fitRemoval(Result& r, const Bench& bench) {
   const Tissue& dentin = model.tissues[static_cast<std::size_t>(Material::kDentin)];
   const double slope = nr / nn;
   const double law = static_cast<double>(dentin.friction * dentin.inverse_energy) * kSpeed;
-  // R^2 of the straight line with the best intercept: what it leaves unexplained.
+  // R^2 of the least-squares line with intercept.
   const double m = count, sxx = nn - sum_n * sum_n / m, sxy = nr - sum_n * sum_r / m, syy = rr - sum_r * sum_r / m;
   r.add("removal over normal load, 8 forces: slope", slope, "mm3/s per N");
   r.add("  against mu v / u_s", std::abs(percentOff(slope, law)), "%");
@@ -141,7 +141,7 @@ Expected<void> fitRemoval(Result& r, const Bench& bench) {
   return {};
 }
 
-// The saw's 27 runs: 3 densities of bone x 3 feeds x 3 rates of strokes, 10 mm wide (J Biomech Eng 2014;136:034501).
+// The saw's 27 runs: 3 bone densities x 3 feeds x 3 stroke rates, 10 mm wide (J Biomech Eng 2014;136:034501).
 constexpr std::array kDensities = {0.8, 0.9, 1.0};                    // relative
 constexpr std::array kFeeds = {20, 40, 60};                           // mm/min
 constexpr std::array kCycles = {9800, 11200, 12600};                  // per minute
@@ -149,13 +149,13 @@ using SawGrid = std::array<std::array<std::array<double, 3>, 3>, 3>;  // N, by d
 
 struct SawRuns {
   SawGrid force{};
-  double error = 0, worst = 0;     // of the thrust against the law, %: mean and most
+  double error = 0, worst = 0;     // deviation of the thrust from the law, %: mean and maximum
   double jump = 0, turn_jump = 0;  // N, N mm a tick
   Spread ratio;                    // thrust over cutting force
 };
 
-// The reference is the law in closed form, cutting energy as the square of the density: N = u_s V' / (mu v), V' the
-// kerf's volume a second.
+// Reference: the law in closed form, with cutting energy as the square of the density: N = u_s V' / (mu v). V' is the
+// kerf's volume per second.
 Expected<SawRuns> sawBone(Result& r, const Bench& bench) {
   constexpr double kWide = 10;
   KERF_TRY(saw, toolOfRack("saw-reciprocating-25"));
@@ -180,7 +180,7 @@ Expected<SawRuns> sawBone(Result& r, const Bench& bench) {
         const Feed f = feed(model, state, {}, {teethDown(), {-12.5, 0.01, 0.05}},
                             {0, 0, -(0.05 + mm_per_min / 60 * 1.2)}, mm_per_min / 60, 0.7);
 
-        // Speed sags with load, as the drive does: the law at the speed there is.
+        // Speed sags under load, as the drive's does. The law uses the actual speed.
         const double speed = drive.speed * std::max(0.0, 1 - f.drag / drive.stall_load);
         const double reference =
             drive.energy_factor * mm_per_min / 60 * kWide * saw.kerfWidth() /
@@ -197,7 +197,7 @@ Expected<SawRuns> sawBone(Result& r, const Bench& bench) {
   return out;
 }
 
-// Pairs of neighbours, of 54, in which force does not grow with density and feed, and fall with strokes.
+// Number of neighbour pairs, of 54, where force fails to grow with density and feed, or to fall with strokes.
 int countWrongPairs(const SawGrid& force) {
   int wrong = 0;
   for (std::size_t d = 0; d < 3; ++d)

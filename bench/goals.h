@@ -1,7 +1,7 @@
 // The goals of `kerf-bench`, scene by scene. Only the scene table includes this.
 //
-// A goal: the number's name (each {} stands for any text), its unit, at most / at least / exactly, the limit. Of two
-// rows about the same number the first counts.
+// A goal: name of the number (each {} matches any text), unit, at most / at least / exactly, limit. If two rows match a
+// number, the first applies.
 #pragma once
 
 #include "bench/verdict.h"
@@ -10,7 +10,7 @@ namespace kerf::cli::goals {
 
 using enum Sense;
 
-// Of a whole mandible at 0.05 mm: docs/results/README.md.
+// A whole mandible at 0.05 mm: docs/results/README.md.
 inline constexpr Goal kOpenGoals[] = {
     {"processor time, p50", "s", kAtMost, 5},
     {"most memory", "GB", kAtMost, 1.2},
@@ -38,7 +38,7 @@ inline constexpr Goal kTickFineGoals[] = {
     {"blade: p99.9", "ms", kAtMost, 0.8},
     {"blade: p99.9, each tick's least of {} runs", "ms", kAtMost, 0.8},
     {"ball: p99.9, each tick's least of {} runs", "ms", kAtMost, 0.8, Weight::kAim},
-    // All of 47 000 nodes and 620 bricks change in every tick: docs/results/README.md.
+    // All 47 000 nodes and 620 bricks change in every tick: docs/results/README.md.
     {"ball: p99.9", "ms", kAtMost, 0.8, Weight::kAim},
 };
 inline constexpr Goal kTickSizesGoals[] = {
@@ -66,7 +66,7 @@ inline constexpr Goal kInvarianceGoals[] = {
     {"  ticks with contact ({})", "", kAtMost, 0},
 };
 inline constexpr Goal kSharpGoals[] = {
-    // Edges and points are known to be short: the reasons are in docs/results/README.md.
+    // Edges and points miss their goals: docs/results/README.md has the reasons.
     {"over voxels: force pressed, 805-014", "%", kAtMost, 5, Weight::kAim},
     {"over voxels: force pressed, 837-012", "%", kAtMost, 5, Weight::kAim},
     {"over voxels: force pressed, 847-012", "%", kAtMost, 5, Weight::kAim},
@@ -136,11 +136,11 @@ inline constexpr Goal kForcesGoals[] = {
     {"  out of 1.4 to 1.8 by", "", kAtMost, 0},
 };
 inline constexpr Goal kDrivesGoals[] = {
-    // A ball that goes straight in cuts with its pole, which is slow: pressing it hardly brakes the drive.
+    // A ball that plunges straight cuts with its slow pole. Pressing it hardly brakes the drive.
     {"  turbine, 801-014: {}: out of {} to {} by", "mm3/s", kAtMost, 0, Weight::kAim},
     {"  turbine, 801-014: {}: out of {} to {} by", "N", kAtMost, 0, Weight::kAim},
     {"turbine, 801-014: dentin at 1 N", "mm3/s", kAtLeast, 0.3, Weight::kAim},
-    // The widest of them brakes the drive by the longest lever.
+    // The widest tools brake the drive by the longest lever.
     {"  turbine, 856-021: {}: out of {} to {} by", "N", kAtMost, 0, Weight::kAim},
     {"  {}: out of {} to {} by", "mm3/s", kAtMost, 0},
     {"  {}: out of {} to {} by", "N", kAtMost, 0},
@@ -153,10 +153,10 @@ inline constexpr Goal kDrivesGoals[] = {
 };
 inline constexpr Goal kDrillSitesGoals[] = {
     {"  {}: out of {} to {} by", "mm/s", kAtMost, 0},
-    // Sooner: 20 N drive them at the greatest feed of a turn through all of the spongy bone.
+    // Faster: 20 N drive them at the greatest feed per turn through all of the spongy bone.
     {"  2.0 mm, 20 N: site of 10 mm: out of 4 to 8 by", "s", kAtMost, 0, Weight::kAim},
     {"  2.8 mm at once, 20 N: site of 10 mm: out of 4 to 8 by", "s", kAtMost, 0, Weight::kAim},
-    // Slower: four drills, one after the other; wide drills that 12 N hardly bring beyond rubbing.
+    // Slower: four drills in sequence; 12 N hardly press the wide drills beyond rubbing.
     {"  2.0 to 4.2 mm in turn, 8 N: site of 10 mm: out of 4 to 8 by", "s", kAtMost, 0, Weight::kAim},
     {"  2.0 to 4.2 mm in turn, 12 N: site of 10 mm: out of 4 to 8 by", "s", kAtMost, 0, Weight::kAim},
     {"  3.5 mm at once, 12 N: site of 10 mm: out of 4 to 8 by", "s", kAtMost, 0, Weight::kAim},
@@ -180,7 +180,7 @@ inline constexpr Goal kHeatGoals[] = {
     {"responses, one wet cavity: {}", "%", kAtMost, 10},
 };
 
-// Only the default has goals.
+// Only the default response has goals.
 inline constexpr Goal kResponseGoals[] = {
     {"penalty coupled: jump of force per ms, flat", "N", kAtMost, 0.02},
     {"penalty coupled: jump of force per ms, ball", "N", kAtMost, 0.02},
@@ -200,7 +200,7 @@ inline constexpr Goal kSinkGoals[] = {
     {"walls passed, of {}", "", kAtMost, 0},
     {"too deep in the solid, 1 m/s", "", kAtMost, 0, Weight::kAim},
     {"walls passed, 1 m/s", "", kAtMost, 0, Weight::kAim},
-    // Most with a flame, where its core takes over.
+    // The maximum occurs for a flame, where its core takes over.
     {"force falls with depth by, most", "N", kAtMost, 0.05},
     // Tips thinner than three voxels, spikes of a mesh: docs/results/README.md.
     {"cutting: removal over what the work pays for, least", "", kAtLeast, 0.75, Weight::kAim},
@@ -242,7 +242,7 @@ inline constexpr Goal kPassivityGoals[] = {
     {"K 0.33 N/mm, friction 0.05 N: trembling", "um", kAtMost, 5},
     {"K 0.7 N/mm, friction 0.05 N: trembling", "um", kAtMost, 5},
     {"K 1 N/mm, friction 0.05 N: trembling", "um", kAtMost, 5},
-    // A device without friction trembles by the steps of its encoder, whatever the coupling.
+    // A device without friction trembles by its encoder steps with any coupling.
     {"K 0.33 N/mm, friction 0 N: energy given away, worst of 60 hands", "mJ", kAtMost, 0.1},
     {"K 0.7 N/mm, friction 0 N: energy given away, worst of 60 hands", "mJ", kAtMost, 0.1},
     {"K 1 N/mm, friction 0 N: energy given away, worst of 60 hands", "mJ", kAtMost, 0.1},
@@ -254,7 +254,7 @@ inline constexpr Goal kPassivityLargeGoals[] = {
 };
 inline constexpr Goal kEdgesGoals[] = {
     {"slides", "", kAtLeast, 2352},
-    // A tool that falls into a groove lands on its floor, or against its far wall: a blow, not a release.
+    // A tool that falls into a groove hits its floor or its far wall: an impact, not a release.
     {"groove 1 mm wide: slides with more than 0.05 N beyond that", "", kAtMost, 0, Weight::kAim},
     {"{}: slides with more than 0.05 N beyond that", "", kAtMost, 0},
 };
@@ -270,11 +270,11 @@ inline constexpr Goal kDevicesGoals[] = {
     {"blade pushed sideways in its kerf: most energy given", "mJ", kAtMost, 0.01},
     {"blade turned in its kerf: trembling, most", "mrad", kAtMost, 0.5},
     {"saw cutting: ripple, most", "um", kAtMost, 20},
-    // As ideal devices: it is the steps of an encoder, docs/results/README.md.
+    // The limit of ideal devices. Encoder steps cause the ripple: docs/results/README.md.
     {"bur cutting enamel: rippling by more than 20 um above 15 Hz", "%", kAtMost, 0, Weight::kAim},
     {"whole stack: energy given, at the end", "mJ", kAtMost, 0.01},
     {"whole stack: age of a force at the motors, p99", "ms", kAtMost, 4,
-     Weight::kAim},  // on the clock: as the machine is
+     Weight::kAim},  // real time: depends on the machine
     {"whole stack: age of a force at the motors, p99.9", "ms", kAtMost, 10, Weight::kAim},
 };
 inline constexpr Goal kWindowMemoryGoals[] = {
@@ -284,7 +284,7 @@ inline constexpr Goal kWindowMemoryGoals[] = {
     {"heap in use, grown since then", "MB", kAtMost, 400},
 };
 inline constexpr Goal kWindowSessionGoals[] = {
-    {"frame while opening, longest", "ms", kAtMost, 100, Weight::kAim},  // on the clock: as the machine is
+    {"frame while opening, longest", "ms", kAtMost, 100, Weight::kAim},  // real time: depends on the machine
     {"frame while exporting, longest", "ms", kAtMost, 100, Weight::kAim},
     {"carve to picture, p95", "frames", kAtMost, 2},
     {"haptic loop, mean", "Hz", kAtLeast, 995},

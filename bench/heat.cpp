@@ -1,7 +1,7 @@
-// Temperatures against what was measured on teeth and bone: numbers, not times.
+// Temperatures against measurements on teeth and bone. Numbers, not times.
 //
-// Power, removal and area are those of the law's table (a diamond at 1 N spends 5 W), or come from the step, whose tool
-// is given that power.
+// Power, removal and area come from the law's table (a diamond at 1 N spends 5 W), or from the step with a tool of that
+// power.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -26,15 +26,15 @@ using namespace scenes;
 
 constexpr double kDiamond = 0.03, kFastCarbide = 0.018, kCarbide = 0.10, kSteel = 0.15;  // shares
 constexpr double kPulpBurPower = 5000;                                                   // mW, of a diamond at 1 N
-constexpr HeatSettings kBodyWarm{.coolant_rise = 0};  // what was measured is the rise by the cut alone
+constexpr HeatSettings kBodyWarm{.coolant_rise = 0};  // measurements give the rise by the cut alone
 
-// A number, and by how much it leaves what was measured, or what the law promises.
+// Adds a number and its distance outside the measured range, or the range promised by the law.
 void addWithin(Result& r, std::string name, double kelvin, double low, double high) {
   r.add(std::move(name), kelvin, "K");
   r.add(fmt::format("  out of {} to {} by", low, high), std::max({0.0, low - kelvin, kelvin - high}), "K");
 }
 
-// ---- The model by itself: work that goes on evenly.
+// ---- The model alone: steady work.
 
 struct Work {
   HeatSource source{};
@@ -42,13 +42,13 @@ struct Work {
   double power = 0, removal = 0, area = 0;  // mW, mm^3/s, mm^2
   double irrigation = 0, seconds = 0;
   Material material = Material::kDentin;
-  // Where it is at a time, mm: back and forth over 1 mm at 1 mm/s unless given.
+  // Place of the work at a time, mm. Default: back and forth over 1 mm at 1 mm/s.
   std::function<Vec3d(double)> place = [](double t) { return Vec3d(std::abs(std::fmod(t, 2.0) - 1) - 0.5, 0, 0); };
 };
 
 struct Warmth {
   double surface = 0;  // K at the end
-  double probe = 0;    // K at the probe, most of the work and of `after` seconds
+  double probe = 0;    // K at the probe, maximum during the work and `after` seconds
   double at_end = 0;   // K at the probe at the end of the work
 };
 
@@ -82,7 +82,7 @@ HeatSource sourceOf(double share, double spray_film = 10, double least_area = 0.
   return {.share = share, .spray_film = spray_film, .least_area = least_area};
 }
 
-// What a bur does that is pressed with a force: half a cubic millimetre of dentin a second and newton.
+// A bur under a force removes half a cubic millimetre of dentin per second and newton.
 Work burInDentin(double share, double force, double seconds) {
   return {.source = sourceOf(share),
           .settings = kBodyWarm,
@@ -106,7 +106,8 @@ void addPulp(Result& r) {
   wet.settings = {};
   r.add("  the same with water 10 K below the body", warm(wet, below(1.5)).at_end, "K");
 
-  // The distance was 3 to 4 mm, the time 10 to 20 s: the middle has the goal. Carbide takes 5/3 of a diamond's volume.
+  // The distance was 3 to 4 mm, the time 10 to 20 s. The goal applies to the middle. Carbide removes 5/3 of a diamond's
+  // volume.
   const auto carbide = [](double seconds) {
     Work work = burInDentin(kFastCarbide, 0.5, seconds);
     work.removal *= 5.0 / 3;
@@ -141,13 +142,13 @@ void addDrills(Result& r) {
   }
 }
 
-// Bone half a millimetre beside a hole, half-way down, most of it and of 20 s after.
+// Bone half a millimetre beside a hole at half depth: maximum during the work and 20 s after.
 double besideHole(const Work& work, double depth) {
   const double radius = std::sqrt(work.area / std::numbers::pi);
   return warm(work, {radius + Heat::kBoneMargin, 0, -depth / 2}, 20).probe;
 }
 
-// Holes of one depth by a fast bur of 1.6 mm that does what its force pays for: 1 J/mm^3, 4.1 m/s, friction 0.3.
+// Holes of one depth by a fast bur of 1.6 mm. Its force sets the removal: 1 J/mm^3, 4.1 m/s, friction 0.3.
 Work fastDrill(double force, double depth) {
   const double power = 0.3 * force * 4100, removal = power / 1000, circle = std::numbers::pi * 0.64;
   const double feed = removal / circle;
@@ -161,7 +162,7 @@ Work fastDrill(double force, double depth) {
           .place = [feed](double t) { return Vec3d(0, 0, -feed * t); }};
 }
 
-// A blade fed at one speed: energy per volume 0.25 (1 + 10 um / h), h the advance of a stroke.
+// A blade at constant feed: energy per volume 0.25 (1 + 10 um / h), h the advance per stroke.
 Work saw(double cycles_per_minute) {
   const double feed = 0.5, area = 4, advance_um = 1000 * feed / (cycles_per_minute / 60 * 2);
   return {.source = sourceOf(kSteel, 5),
@@ -208,11 +209,11 @@ Model ballModel(double mm3_per_n, Response response) {
   return model;
 }
 
-// What a cut came to.
+// Result of a cut.
 struct Cut {
-  double hottest = 0, at_end = 0, mean = 0;  // K, the surface: most, last, of the ticks in contact
+  double hottest = 0, at_end = 0, mean = 0;  // K at the surface: maximum, last, mean over ticks in contact
   double conducted = 0;                      // mJ
-  double power = 0, area = 0, removed = 0;   // mW and mm^2 in the mean, mm^3
+  double power = 0, area = 0, removed = 0;   // means, mW and mm^2; mm^3
   double step_area = 0;                      // mm^2, of StepOutput
   std::vector<double> us;                    // of Monitor::tick()
 };
@@ -291,8 +292,8 @@ Expected<void> addBurOnEnamel(Result& r) {
   return {};
 }
 
-// A cavity of 3.6 mm by 3.1 mm, planned 0.8 mm deep, by a firm hand at 1 mm/s: the same feed, and so the same force,
-// for every response. A hand that pushes with a force is faster with one than with another.
+// A cavity of 3.6 mm by 3.1 mm, planned 0.8 mm deep, by a firm hand at 1 mm/s. Every response gets the same feed and so
+// the same force. Under a constant push, hands differ in speed by response.
 Expected<void> addResponses(Result& r, const Bench& bench) {
   KERF_TRY(block, practiceBlock({7, 6, 3}, 0.1, askew()));
   std::vector<Vec3d> tips{{-1, -0.75, 0.1}};
@@ -324,13 +325,13 @@ Expected<void> addResponses(Result& r, const Bench& bench) {
   r.add("responses, one wet cavity: surface, most", hottest.percent(), "%");
   r.add("responses, one wet cavity: surface over power", of_power.percent(), "%");
   r.add("responses, one wet cavity: conducted", conducted.percent(), "%");
-  // One of them is longer in contact, and spends the less.
+  // One response stays longer in contact and spends the least.
   r.add("  mean in contact", mean.percent(), "%");
   return {};
 }
 
-// A sagittal blade through 10 mm of cortical bone at 30 mm/min. It is given the 5.3 W of the table: the step's saws
-// have one energy per volume, and 7 N were measured.
+// A sagittal blade through 10 mm of cortical bone at 30 mm/min, with the table's 5.3 W. The step's saws have one energy
+// per volume, and 7 N were measured.
 Expected<void> addSaw(Result& r) {
   constexpr double kWidth = 10, kPower = 5300, kFeed = 0.5;
   KERF_TRY(tool, toolOfRack("saw-sagittal-10"));

@@ -1,5 +1,4 @@
-// Whether force and removal are the same whatever the voxels, the attitude and the speed: numbers, not times, the same
-// on every machine.
+// Whether force and removal are independent of voxels, attitude and speed. Machine-independent numbers, no times.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -73,7 +72,7 @@ Expected<void> sliding(Result& r, double speed) {
   Wrench last;
   const int ticks = static_cast<int>(2 / (speed * kTick));
   for (int n = 0; n <= ticks; ++n) {
-    // The tip's ball rolls over the pole, 0.0475 mm deep.
+    // The tip's ball rolls over the pole at a depth of 0.0475 mm.
     const double a = (-1 + 2.0 * n / ticks) / 5;
     DeviceSample sample;
     sample.T_world_device.translation =
@@ -92,14 +91,14 @@ Expected<void> sliding(Result& r, double speed) {
   return {};
 }
 
-// One voxel above a block, rendered through the coupling: the force the hand feels, and how far the tool is off it.
+// One voxel above a block, rendered through the coupling: the hand's force and the distance between tool and hand.
 Expected<void> inAir(Result& r) {
   constexpr double kVoxel = 0.05;
   KERF_TRY(bur, toolOfRack("round-014"));
   KERF_TRY(model, makeModel(std::span(&bur, 1)));
   KERF_TRY(block, practiceBlock({20, 4, 2}, kVoxel));
   const Eigen::Quaterniond turn = turned(0.4, {1, 2, 3}).rotation;
-  // The tip's ball is 0.7 mm: its lowest point, turned, one voxel above z = 0.
+  // The tip's ball is 0.7 mm. Its lowest point, rotated, lies one voxel above z = 0.
   const Vec3d tip = Vec3d(0, 0, kVoxel + 0.7) - turn * Vec3d(0, 0, 0.7);
 
   const auto measure = [&](const char* name, const auto& place) {
@@ -125,9 +124,10 @@ Expected<void> inAir(Result& r) {
   constexpr double kPi = std::numbers::pi;
   measure("still, 5 s", [](int) { return Vec3d(Vec3d::Zero()); });
   measure("at 3 mm/s", [](int n) { return Vec3d(-7.5 + 0.003 * n, 0, 0); });
-  // An encoder's steps of 20 um at that speed, as a device sends them.
+  // Encoder steps of 20 um at that speed, as a device sends them.
   measure("at 3 mm/s in steps of 0.02 mm", [](int n) { return Vec3d(-7.5 + 0.02 * std::floor(0.15 * n), 0, 0); });
-  // A tool of 20 g thrown to and fro 1 Hz wide and 5 Hz narrow weighs in the hand: by F = m a, 0.004 and 0.02 N.
+  // A tool of 20 g, moved to and fro at 1 Hz wide and 5 Hz narrow, exerts its inertia on the hand: by F = m a, 0.004
+  // and 0.02 N.
   measure("to and fro, 5 mm at 1 Hz", [](int n) { return Vec3d(5 * std::sin(2e-3 * kPi * n), 0, 0); });
   measure("to and fro, 1 mm at 5 Hz", [](int n) { return Vec3d(std::sin(1e-2 * kPi * n), 0, 0); });
   return {};

@@ -1,4 +1,4 @@
-// Whether the ledger tells what there is: volumes by the ledger against those of the mesh.
+// Whether the ledger is true: its volumes against those of the mesh.
 #include <fmt/format.h>
 
 #include "bench/bench.h"

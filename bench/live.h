@@ -1,4 +1,4 @@
-// What the scenes on the clock tell of the haptic thread.
+// Haptic-thread results of the real-time scenes.
 #pragma once
 
 #include "bench/bench.h"
@@ -7,17 +7,17 @@
 
 namespace kerf::cli {
 
-/// Calls stop() of a thread where a scope ends: before that which was declared earlier is gone.
+/// Calls stop() of a thread at the end of a scope, before older locals are destroyed.
 template <class Thread>
 struct StoppedAtTheEnd {
   Thread& thread;
   ~StoppedAtTheEnd() { thread.stop(); }
 };
 
-/// Notes what the system granted the thread, and what it refused.
+/// Notes the thread's grants and refusals from the system.
 void addGrant(Result& r, const HapticThread& haptic);
 
-/// Adds the state hash, and whether the replay of the log ended in the same one.
+/// Adds the state hash, and whether the replay of the log reached the same hash.
 void addReplay(Result& r, const HapticThread& haptic, const Replay& again);
 
 }  // namespace kerf::cli

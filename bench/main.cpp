@@ -1,4 +1,4 @@
-// kerf-bench: scenes to time on any machine. Times vary, the state hash does not.
+// kerf-bench: timed scenes for any machine. Times vary, the state hash does not.
 #include <fmt/format.h>
 
 #include "bench/report.h"
@@ -37,7 +37,7 @@ Error missedError(const std::vector<std::string>& missed) {
           .hint = "kerf-bench --no-goals to time without goals"};
 }
 
-// Runs the scenes one after the other, printing each as it ends.   @return the exit code.
+// Runs the scenes in sequence and prints each at its end.   @return the exit code.
 Expected<int> runScenes(const Arguments& a) {
   KERF_TRY(asked, askedFor(a));
   const Scratch scratch;
@@ -45,7 +45,7 @@ Expected<int> runScenes(const Arguments& a) {
   std::vector<std::string> missed;
   for (const Scene* scene : asked) {
     std::vector<Goal> goals;
-    if (a.mesh.empty()) goals.assign(scene->goals.begin(), scene->goals.end());  // they are of the demo molar
+    if (a.mesh.empty()) goals.assign(scene->goals.begin(), scene->goals.end());  // they apply to the demo molar
     KERF_CHECK(changeLimits(goals, a.limits));
     const auto run = [&] {
       TerminalProgress progress;

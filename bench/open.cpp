@@ -1,4 +1,4 @@
-// What it costs to open a case: from its files to an object that can be cut.
+// Cost of opening a case: from its files to an object that can be cut.
 #include <fmt/format.h>
 
 #include "bench/bench.h"
@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The user's, or the demo mandible without its inside, at 0.1 mm.
+// The user's case, or the demo mandible without its interior, at 0.1 mm.
 Expected<fs::path> caseOf(const Bench& bench) {
   if (!bench.case_folder.empty()) return fs::path(bench.case_folder);
   KERF_TRY(anatomy, demoMandible(1, bench.progress));

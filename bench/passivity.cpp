@@ -1,5 +1,4 @@
-// Whether a force-feedback device is given energy: a simulated device and hand, pressed on a wall that does not give
-// way.
+// Whether a force-feedback device gains energy: a simulated device and hand press on a rigid wall.
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
@@ -20,7 +19,7 @@ namespace {
 
 using namespace scenes;
 
-// What has a formula: stiff tissue without friction, the tool at rest.
+// The case with a formula: stiff tissue without friction, the tool at rest.
 Model modelOf(const ToolModel& ball, Rendering rendering, double stiffness) {
   Model model;
   model.tools = {ball};
@@ -35,9 +34,9 @@ Model modelOf(const ToolModel& ball, Rendering rendering, double stiffness) {
 // Hands pressed at one stiffness on devices of one friction.
 struct Hands {
   int runs = 0;
-  double energy = 0;     // the most a device was given, mJ; 0: none was
-  double trembling = 0;  // the most, mm
-  int direct_fails = 0;  // devices given energy by direct rendering
+  double energy = 0;     // highest energy gain of a device, mJ; 0: none
+  double trembling = 0;  // maximum, mm
+  int direct_fails = 0;  // devices that gain energy under direct rendering
   double direct_energy = 0;
 };
 Expected<Hands> pressHands(const std::shared_ptr<const BakedObject>& block, const ToolModel& ball, double stiffness,
@@ -73,8 +72,8 @@ Expected<Result> benchPassivity(const Bench& bench) {
   Result r(SceneId::kPassivity, "a simulated device pressed on a block that does not give way, 1.8 s, all hands");
   KERF_TRY(block, practiceBlock({4, 4, 2}, 0.1));
   const ToolModel ball = practiceBall(0.5, 840);
-  // Bounds of the literature for b = 0.5 N s/m, one tick of delay: K <= 0.33 N/mm; and K <= 2 f / encoder step, which a
-  // device without friction never meets: its encoder's steps make it tremble whatever the coupling.
+  // Bounds of the literature for b = 0.5 N s/m, one tick of delay: K <= 0.33 N/mm; and K <= 2 f / encoder step. A
+  // device without friction never meets the second bound: its encoder steps make it tremble with any coupling.
   Hands direct;
   int runs = 0;
   for (const double friction : {0.05, 0.0})
@@ -96,8 +95,8 @@ Expected<Result> benchPassivity(const Bench& bench) {
 
 namespace {
 
-// The grid. Devices of the trade have 0.03 to 0.2 kg at the tip, encoders of 5 to 55 um, some hundredths of a newton
-// of friction; hands 0.05 (two fingertips) to 2 N/mm (a fist).
+// The grid. Commercial devices have 0.03 to 0.2 kg at the tip, encoders of 5 to 55 um, some hundredths of a newton of
+// friction; hands 0.05 (two fingertips) to 2 N/mm (a fist).
 struct Axis {
   const char* name;
   const char* unit;
@@ -126,8 +125,8 @@ Numbers numbersOf(std::size_t run, std::array<std::size_t, kAxes>& at) {
   return out;
 }
 
-// Stiffness up to which a sampled wall is passive, N/mm: Colgate & Schenkel with a delay (Gil, Hulin), Coulomb friction
-// against the encoder's steps (Abbott & Okamura 2005).
+// Highest passive stiffness of a sampled wall, N/mm: Colgate & Schenkel with a delay (Gil, Hulin), Coulomb friction
+// against the encoder steps (Abbott & Okamura 2005).
 double boundOf(const Numbers& n) {
   const double late = (0.5 + n[kDelay]) * kTick;
   return std::min({2 * n[kDamping] / kTick, n[kDamping] / late, 2 * n[kFriction] / n[kEncoder]});
@@ -145,7 +144,7 @@ Press pressOf(const Numbers& n, const std::shared_ptr<const BakedObject>& block,
   return press(modelOf(ball, Rendering::kCoupled, n[kStiffness]), block, options);
 }
 
-// Every run is its own: the same numbers on any number of threads.
+// Runs are independent: the numbers are the same on any number of threads.
 Expected<std::vector<Press>> pressGrid(std::size_t runs, const Bench& bench) {
   KERF_TRY(block, practiceBlock({4, 4, 2}, 0.1));
   const ToolModel ball = practiceBall(0.5, 840);
@@ -161,10 +160,10 @@ Expected<std::vector<Press>> pressGrid(std::size_t runs, const Bench& bench) {
   return presses;
 }
 
-// A share of the runs, and what they show.
+// A subset of the runs, and its results.
 struct Share {
   std::size_t runs = 0, given = 0;
-  double energy = 0;              // the most, mJ
+  double energy = 0;              // maximum, mJ
   std::vector<double> trembling;  // um
 
   void add(const Press& p) {
@@ -190,7 +189,7 @@ struct Shares {
   Share all, within, twice;
   std::vector<std::vector<Share>> by{kAxes};  // by axis and value
   Share of_default[4];                        // K = 1 N/mm, by friction
-  // By friction: the least stiffness at which a device was given energy.
+  // By friction: the lowest stiffness at which a device gained energy.
   std::array<double, 4> least_stiffness{kNone, kNone, kNone, kNone};
   std::uint64_t hash = 0;
 

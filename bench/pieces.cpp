@@ -1,4 +1,4 @@
-// Whether what is cut through is known to be in pieces, how many, and how soon.
+// Whether pieces are found after a cut through an object, how many, and how soon.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -19,13 +19,13 @@ using namespace scenes;
 struct Tally {
   int cases = 0, wrong = 0, unbalanced = 0;
   double ledger = 0;             // worst of |initial - removed - left| / initial
-  std::vector<double> find_ms;   // every tick that changed something: export, apply, find
+  std::vector<double> find_ms;   // every tick with a change: export, apply, find
   std::vector<double> split_ms;  // the tick of the last bridge
 };
 
 std::size_t partCount(const PieceList& list) { return list.pieces.size() + list.crumbs.size(); }
 
-// Every part's volume, to the bit.
+// The volumes of all parts sum to the whole, bit for bit.
 bool isBalanced(const PieceList& list) {
   SolidMeasure sum;
   for (const auto* parts : {&list.pieces, &list.crumbs})
@@ -45,13 +45,13 @@ double total(const std::array<double, 256>& volumes) {
   return sum;
 }
 
-// A straight way of the tool, in the object's frame.
+// A straight path of the tool, in the object's frame.
 struct Way {
   Vec3d from, to;
 };
 
-// Sweeps one way at 20 mm/s, the pieces found after every tick that changed something.
-// @param known  parts known before, and after.   @return the ms of the last tick in which there were more; 0: none.
+// Sweeps one path at 20 mm/s and finds the pieces after every tick with a change.
+// @param known  known parts before, and after.   @return ms of the last tick that added parts; 0: none.
 double sweepAndFind(const Model& model, State& state, const Eigen::Quaterniond& turn, const Rigid3& frame,
                     const Way& way, PieceFinder& finder, std::size_t& known, Tally& tally) {
   CutObject& cut = state.objects[0];
@@ -82,7 +82,7 @@ double sweepAndFind(const Model& model, State& state, const Eigen::Quaterniond& 
   return last;
 }
 
-// Cuts whatever the tool sweeps along each of `ways`; `expected[n]` pieces after way n.
+// Cuts along each of `ways`; `expected[n]` pieces after path n.
 void splitAlong(const std::shared_ptr<const BakedObject>& object, const ToolModel& tool, const Eigen::Quaterniond& turn,
                 const Rigid3& frame, const std::vector<Way>& ways, const std::vector<std::size_t>& expected,
                 Tally& tally, std::uint64_t& hash) {
@@ -109,7 +109,7 @@ void splitAlong(const std::shared_ptr<const BakedObject>& object, const ToolMode
   hash = hash * 0x100000001b3ull ^ state.hash();
 }
 
-// Two blocks of nodes and what stands between them, node by node: inside where `is_inside` says so.
+// Two blocks of nodes and the nodes between them. `is_inside` selects the inside nodes.
 template <class Inside>
 BrickField fieldOf(const Inside& is_inside) {
   constexpr float kVoxel = 0.1f;
@@ -125,7 +125,7 @@ BrickField fieldOf(const Inside& is_inside) {
   return field;
 }
 
-// What counts as a bridge: a node with a face neighbour on either side. Edges and corners do not hold.
+// A bridge is a node with a face neighbour on either side. Edges and corners do not connect.
 void countBridges(Tally& tally) {
   const auto blocks = [](int x, int y, int z) {
     return y > 1 && y < 14 && z > 1 && z < 14 && ((x > 1 && x < 12) || (x > 19 && x < 30));
@@ -152,7 +152,7 @@ void countBridges(Tally& tally) {
 
   for (const Bridge& bridge : bridges) {
     const BrickField field = fieldOf([&](int x, int y, int z) { return blocks(x, y, z) || bridge.is_inside(x, y, z); });
-    // Of the whole, and arrived at by edits of a field that had it otherwise.
+    // Found in the whole field, and after edits of a different field.
     PieceFinder fresh(field);
     count(tally, fresh.find(), bridge.pieces, bridge.crumbs);
 
@@ -185,7 +185,7 @@ Expected<std::shared_ptr<const BakedObject>> practiceRing(const Rigid3& frame) {
       in_world, 0.1);
 }
 
-// The blade straight down at y, to a depth below z = 0.
+// The blade goes straight down at y, to a depth below z = 0.
 Way downAt(double y, double deep) { return {{-12.5, y, 0.1}, {-12.5, y, -deep - 0.1}}; }
 
 // Bars and rings at one attitude.
@@ -193,7 +193,7 @@ Expected<void> splitSmallObjects(const ToolModel& blade, const Rigid3& frame, Ta
   KERF_TRY(bar, practiceBlock({3, 9, 3}, 0.1, frame));
   splitAlong(bar, blade, teethDown(), frame, {downAt(0.03, 3)}, {2}, tally, hash);
   splitAlong(bar, blade, teethDown(), frame, {downAt(-2, 3), downAt(1.7, 3)}, {2, 3}, tally, hash);
-  // Not through: a floor of 0.3 mm holds.
+  // Not through: a floor of 0.3 mm remains.
   splitAlong(bar, blade, teethDown(), frame, {downAt(0.03, 2.6)}, {1}, tally, hash);
 
   // The blade on one side of the ring, then on the other. (A ball would leave feather edges, and those crumbs.)
@@ -219,7 +219,7 @@ Expected<Result> benchPieces(const Bench& bench) {
     KERF_CHECK(splitSmallObjects(blade, frame, small, hash));
   }
 
-  // As large as a mandible: what the list costs grows with the object.
+  // As large as a mandible: the cost of the list grows with the object.
   if (!report(bench.progress, 0.7, "a large block")) return cancelled();
   Tally large;
   KERF_TRY(block, practiceBlock({20, 50, 20}, 0.1));

@@ -1,5 +1,4 @@
-// The 1 kHz thread on the clock: what the system grants, how punctual it is, and whether its log, its bricks and its
-// mesh are all of the same cut.
+// The 1 kHz thread in real time: grants of the system, punctuality, and agreement of log, bricks and mesh.
 #include <fmt/format.h>
 
 #include <chrono>
@@ -24,7 +23,7 @@ namespace {
 
 using namespace scenes;
 
-// Strokes of 2 s that wander over the occlusal surface and go deeper, the bur lifted for 0.5 s in between.
+// Strokes of 2 s that wander over the occlusal surface and go deeper. The bur is lifted for 0.5 s in between.
 CutPath drilling(double seconds, double top) {
   constexpr double kStep = 0.02, kStroke = 2, kRest = 0.5, kDeepest = 2.5;
   CutPath path;
@@ -44,7 +43,7 @@ void addTimes(Result& r, const std::string& what, const TimeHistogram& times) {
   r.add(fmt::format("{}, max", what), times.maxMs(), "ms");
 }
 
-// Chunks that differ from those of a mesh made anew from the field as it is at the end.
+// Number of chunks that differ from a fresh mesh of the final field.
 std::size_t chunksThatDiffer(const CutObject& object, const std::map<std::uint64_t, MeshChunkPtr>& mesh) {
   OverlayField field(object.baked().phi0());
   const BrickField changed = object.bricks().changedField();
@@ -62,7 +61,7 @@ std::size_t chunksThatDiffer(const CutObject& object, const std::map<std::uint64
   return differ + (known > wanted.size() ? known - wanted.size() : 0);
 }
 
-// What the mesher has made so far.
+// All chunks of the mesher so far.
 struct ShownMesh {
   std::map<std::uint64_t, MeshChunkPtr> chunks;
   void take(MesherThread& mesher) {
@@ -70,7 +69,8 @@ struct ShownMesh {
   }
 };
 
-// Until the hand has gone its path, a stroke undone and redone after half of it, another undone after three quarters.
+// Waits for the end of the hand's path. Undoes and redoes a stroke after half of it, undoes another after three
+// quarters.
 Expected<void> drillOnTheClock(HapticThread& haptic, const SimulatedDevice& device, MesherThread& mesher,
                                ShownMesh& mesh, const Bench& bench) {
   int sent = 0;
@@ -79,7 +79,7 @@ Expected<void> drillOnTheClock(HapticThread& haptic, const SimulatedDevice& devi
     mesh.take(mesher);
     haptic.update();
     const double done = 1e-3 * static_cast<double>(haptic.report().tick) / bench.seconds;
-    // Right after each other: what is cut since an undo ends what could be redone.
+    // In immediate succession: a cut after an undo would clear the redo list.
     if (sent == 0 && done > 0.5) sent += haptic.send(Undo{}) && haptic.send(Redo{});
     if (sent == 1 && done > 0.75) sent += haptic.send(Undo{});
     if (!report(bench.progress, std::min(done, 1.0), "drilling in real time")) return cancelled();
@@ -140,7 +140,7 @@ Expected<Result> benchRealtime(const Bench& bench) {
   }
 
   BrickFeed* const feeds[] = {&feed};
-  const StoppedAtTheEnd stopped{haptic};  // before what it writes to, should this be cancelled
+  const StoppedAtTheEnd stopped{haptic};  // before its output, should this be cancelled
   KERF_CHECK(haptic.start(device, feeds, &recorder));
   addGrant(r, haptic);
   KERF_CHECK(drillOnTheClock(haptic, device, mesher, mesh, bench));
@@ -155,7 +155,7 @@ Expected<Result> benchRealtime(const Bench& bench) {
   KERF_TRY(log, readSessionLog(file));
   KERF_TRY(again, replay(log, file.string(), model, {object}, bench.progress));
   r.add("removed", again.removed_mm3, "mm3");
-  // Idle ticks would meet every other goal: a thread that stalled and latched has measured nothing.
+  // Idle ticks would meet every other goal: a thread that stalled and latched measured nothing.
   r.add("removed a second", again.removed_mm3 / bench.seconds, "mm3/s");
   if (const auto stalls = haptic.report().counts.stalls; stalls > 0)
     r.notes.push_back(

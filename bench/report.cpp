@@ -14,7 +14,7 @@ std::string keyOf(Sense sense) {
   return key;
 }
 
-// A number and the goal it missed, if it did.
+// A number, and the missed goal, if any.
 struct Cell {
   std::string column, row;
   double value;
@@ -33,7 +33,7 @@ std::vector<Cell> cellsOf(const Result& r, const Verdict* verdict) {
   return cells;
 }
 
-// Columns and rows in the order in which they come first. A number that misses its goal is marked.
+// Columns and rows in order of first appearance. Missed goals are marked.
 void printTable(const Result& r, const Verdict* verdict) {
   const std::vector<Cell> cells = cellsOf(r, verdict);
   std::vector<std::string> columns, rows;

@@ -1,4 +1,4 @@
-// Report of a `kerf-bench` run: lines or JSON, by the table of scenes.
+// Report of a `kerf-bench` run, as lines or JSON, by the table of scenes.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -7,11 +7,11 @@
 
 namespace kerf::cli {
 
-/// @param verdict  null: nothing was judged, and neither limits nor verdicts are shown.
+/// @param verdict  null: no judgement; omits limits and verdicts.
 void printResult(const Result& result, const Verdict* verdict);
 nlohmann::json jsonOf(const Result& result, const Verdict* verdict);
 
-/// The table itself: every scene with its text and its goals.
+/// Prints the table itself: every scene with its text and goals.
 void printScenes();
 nlohmann::json jsonOfScenes();
 

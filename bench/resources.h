@@ -1,4 +1,4 @@
-// What a scene measures beside the clock.
+// Measurements of a scene besides wall time.
 #pragma once
 
 #include <cstdlib>
@@ -8,11 +8,11 @@
 
 namespace kerf::cli {
 
-/// Time of all processors that this program has used, ms.
+/// CPU time of this program over all processors, ms.
 inline double processorTime() { return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 inline void clearPeak() { std::ofstream("/proc/self/clear_refs") << "5"; }
-/// Most memory this program has had since clearPeak(), GB; 0 where the system does not tell.
+/// Peak memory of this program since clearPeak(), GB; 0 if the system does not report it.
 inline double peakGigabytes() {
   std::ifstream status("/proc/self/status");
   for (std::string line; std::getline(status, line);)

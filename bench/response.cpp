@@ -1,4 +1,4 @@
-// The responses to contact side by side, on the same scenes. Only the default has goals.
+// Comparison of the contact responses on the same scenes. Only the default has goals.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -35,7 +35,7 @@ std::vector<Way> allWays() {
   return ways;
 }
 
-// Nothing between law and number: no fade-in, no limit of the rate.
+// Law and number only: no fade-in, no rate limit.
 Model modelOf(const Way& way, bool cuts) {
   Model model;
   model.tools = {practiceBall(kRadius, kSpeed)};
@@ -51,7 +51,7 @@ Model modelOf(const Way& way, bool cuts) {
 
 struct Objects {
   std::shared_ptr<const BakedObject> flat, sphere;
-  Rigid3 askew;  // of the flat: no axis of the grid is one of the scene's
+  Rigid3 askew;  // of the flat, with no axis of the grid along one of the scene
 };
 constexpr double kSphereRadius = 5;
 const Vec3d kSphereCenter(0.013, 0.027, -kSphereRadius);
@@ -70,7 +70,7 @@ struct Pressed {
   double depth = 0;                 // of the device, mm
   double deepest = 0, at_rest = 0;  // of the tool in the tissue, mm
 };
-// Straight down onto the flat at 100 mm/s to a depth of the device, and 0.5 s there.
+// Straight down onto the flat at 100 mm/s to a depth of the device, then 0.5 s of rest.
 Pressed pressTo(const Way& way, const Objects& objects, double depth, double* force = nullptr) {
   const Model model = modelOf(way, false);
   State state;
@@ -87,7 +87,7 @@ Pressed pressTo(const Way& way, const Objects& objects, double depth, double* fo
   if (force) *force = out.force.force.norm();
   return p;
 }
-// How deep the device has to be for that force at rest: bisection.
+// Depth of the device for that force at rest, by bisection.
 Pressed pressWith(const Way& way, const Objects& objects, double force) {
   const bool is_fixed = way.rendering == Rendering::kDirect && rowOf(way.response).direct == Attachment::kFixed;
   double low = 0, high = is_fixed ? 0.3 : 1.3 * force;
@@ -100,8 +100,8 @@ Pressed pressWith(const Way& way, const Objects& objects, double force) {
   return pressTo(way, objects, 0.5 * (low + high));
 }
 
-// The largest change of the hand's force in a ms, less the mean change about it: a hand that follows a curve feels its
-// force turn, which is no jump.
+// The largest change of the hand's force per ms, less the mean change around it. On a curve the force rotates steadily,
+// which is no jump.
 double largestJump(const std::vector<Vec3d>& force) {
   constexpr std::size_t kAround = 25;
   double most = 0;
@@ -112,7 +112,7 @@ double largestJump(const std::vector<Vec3d>& force) {
   return most;
 }
 
-// 3 mm at 10 mm/s, the device as deep as 1 N wants it on the flat.
+// 3 mm at 10 mm/s, with the device at its depth for 1 N on the flat.
 double slideOnFlat(const Way& way, const Objects& objects, double depth) {
   const Model model = modelOf(way, false);
   State state;
@@ -146,14 +146,14 @@ double slideOnSphere(const Way& way, const Objects& objects, double depth) {
 
 struct Hands {
   int given = 0, trembling = 0, runs = 0;
-  double energy = -1e9;  // the most, mJ
+  double energy = -1e9;  // maximum, mJ
 };
-// The scene of `passivity`, some of its hands: a device pressed on a block that does not give way.
+// The scene of `passivity` with some of its hands: a device pressed on a rigid block.
 Expected<Hands> pressHands(const Way& way, const std::shared_ptr<const BakedObject>& block, double stiffness,
                            double friction, const Bench& bench, double done) {
   Model model = modelOf(way, false);
   model.settings.coupling.stiffness = stiffness;
-  model.settings.coupling.force_rate = CouplingSettings{}.force_rate;  // as it is used
+  model.settings.coupling.force_rate = CouplingSettings{}.force_rate;  // default of the coupling
   model.settings.coupling.torque_rate = CouplingSettings{}.torque_rate;
 
   Hands out;
@@ -183,7 +183,7 @@ struct SlotCut {
   double removed = 0, load = 0;  // mm^3; N, mean
   std::vector<double> us;
 };
-// Down at 1 mm/s, then along at 2 mm/s, 0.45 mm below the surface by the device; means along the slot.
+// Down at 1 mm/s, then along at 2 mm/s, with the device 0.45 mm below the surface. Means along the slot.
 SlotCut cutSlot(const Way& way, const Objects& objects) {
   const Model model = modelOf(way, true);
   State state;
@@ -227,7 +227,7 @@ Expected<void> addWay(Result& r, const Way& way, const Objects& objects,
   add("deepest, pressed to 1 N at 100 mm/s", 1000 * one.deepest, "um");
   add("deepest, pressed to 5 N at 100 mm/s", 1000 * five.deepest, "um");
 
-  // Direct penalty has no coupling: the same at any stiffness.
+  // Direct penalty has no coupling: its result is the same at any stiffness.
   for (const double stiffness : {1.0, 2.0, 4.0}) {
     KERF_TRY(hands, pressHands(way, block, stiffness, 0.05, bench, done + 0.5 * share));
     add(fmt::format("{} N/mm: devices given energy, of {}", stiffness, hands.runs), hands.given);

@@ -1,4 +1,4 @@
-// The kerf of a blade, its plane and its side force over attitudes: numbers, not times.
+// Width, plane and side force of a blade's kerf over attitudes. Numbers, not times.
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
@@ -20,7 +20,7 @@ namespace {
 
 using namespace scenes;
 
-// Where phi passes zero on a line, mm from its start; NaN: nowhere.
+// Zero crossing of phi on a line, mm from its start; NaN: none.
 double crossing(const BrickField& phi, const Vec3d& from, const Vec3d& along, double length) {
   constexpr double kStep = 0.005;
   double before = phi.sample(from);
@@ -44,7 +44,7 @@ Kerf measureKerf(const CutObject& object, const Rigid3& frame, double expected) 
     for (double z = -0.85; z <= -0.15; z += 0.1) {  // above the toothed edge of a blade 1.5 mm deep
       const Vec3d middle = frame * Vec3d(x, 0, z), side = frame.rotation * Vec3d::UnitY();
       const double right = crossing(phi, middle, side, 1), left = crossing(phi, middle, -side, 1);
-      // A wall that is not found is no kerf of the right width.
+      // A missing wall counts as a kerf of wrong width.
       if (std::isnan(right) || std::isnan(left)) return {1e3, 90};
       width += right + left;
       ++n;
@@ -69,7 +69,7 @@ double removedBone(const State& state) {
   return state.objects[0].removed_mm3[static_cast<std::size_t>(Material::kCortical)];
 }
 
-// The blade in its kerf, moved sideways: the flanks push back, and cut nothing.
+// The blade moves sideways in its kerf. The flanks push back and cut nothing.
 void pushSideways(Result& r, const Model& model, State& state, const Rigid3& frame, double kerf_width, double h) {
   const double volume = removedBone(state);
   const Kerf before = measureKerf(state.objects[0], frame, kerf_width);

@@ -74,7 +74,7 @@ constexpr Scene kScenes[] = {
 };
 
 #ifndef __SANITIZE_ADDRESS__  // GCC 12 then takes no address of a function for a constant
-// Every id has its row, in order, and every row says all it has to.
+// Every id has its row, in order, and every row is complete.
 consteval bool isComplete(std::span<const Scene> rows) {
   if (rows.size() != static_cast<std::size_t>(SceneId::kCount)) return false;
   for (std::size_t n = 0; n < rows.size(); ++n) {

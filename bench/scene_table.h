@@ -1,8 +1,8 @@
 // The scenes of `kerf-bench` and their goals, in one table. The command's help, --list, the printed lines, JSON and the
-// exit code all follow from it.
+// exit code derive from it.
 //
-// A new scene: an id and a function in bench.h, and a row in scene_table.cpp. An id without a row, and a row without a
-// function, a text or goals, do not compile.
+// To add a scene, add an id and a function to bench.h and a row to scene_table.cpp. An id without a row, or a row
+// without a function, a text or goals, does not compile.
 #pragma once
 
 #include <span>
@@ -15,9 +15,9 @@ namespace kerf::cli {
 
 using RunScene = Expected<Result> (*)(const Bench& bench);
 
-/// One row. Only the constructor makes one, so that nothing can be left out.
+/// One row. Only the constructor makes one, so every field is set.
 struct Scene {
-  /// For scenes whose times have no goal: they depend on the machine.
+  /// For scenes whose times have no goal, because they depend on the machine.
   static constexpr std::span<const Goal> kTimesOnly{};
   enum class When { kAlways, kOnlyByName };
 
@@ -33,7 +33,7 @@ struct Scene {
   When when;
 };
 
-/// All scenes, in the order in which they run.
+/// All scenes, in running order.
 std::span<const Scene> scenes();
 
 const Scene& sceneOf(SceneId id);

@@ -1,5 +1,5 @@
-// Tools with edges and points: how much force and removal depend on the voxels and on the block's attitude to their
-// grid. Numbers, not times, the same on every machine.
+// Tools with edges and points: dependence of force and removal on the voxels and on the block's attitude to their grid.
+// Machine-independent numbers, no times.
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
@@ -24,18 +24,18 @@ namespace {
 
 using namespace scenes;
 
-constexpr double kOverlap = 0.05;                              // mm, of a tool that is pressed
-constexpr double kLean = 0.2;                                  // rad, of a bur that is pressed: its rim goes first
+constexpr double kOverlap = 0.05;                              // mm, of a pressed tool
+constexpr double kLean = 0.2;                                  // rad, of a pressed bur: its rim leads
 constexpr double kSlide = 0.4;                                 // mm, along the surface
 constexpr double kSlotDepth = 0.6;                             // mm, of a bur's slot
 constexpr double kKerfDepth = 0.3;                             // mm, of a blade's kerf at the start
-constexpr double kFeedLength = 0.5;                            // mm; means are taken over the last four fifths
+constexpr double kFeedLength = 0.5;                            // mm; means cover the last four fifths
 constexpr double kAttitudeFine = 0.05, kAttitudeCoarse = 0.1;  // voxels, mm
 constexpr int kAttitudes = 24;
 constexpr int kRackAttitudes = 6;  // of every tool of the rack
 constexpr double kRackFeed = 1;    // mm/s
 
-// Of the rack: something of every form that has an edge or a point, and a ball to compare with.
+// From the rack: a tool of every form with an edge or a point, and a ball for comparison.
 struct Subject {
   std::string id;
   double feed;  // mm/s, of the cut: some newtons
@@ -57,7 +57,7 @@ const std::vector<Subject> kTwelve{
 
 // ---- Poses in the frame of the block, whose top is z = 0
 
-// What goes first goes down, `depth` below the surface, over the middle of the block.
+// The plunge direction points down, `depth` below the surface, over the middle of the block.
 Rigid3 placed(const ToolModel& tool, double lean, double depth) {
   const Eigen::Quaterniond upright = Eigen::Quaterniond::FromTwoVectors(tool.plunge_direction, -Vec3d::UnitZ());
   const Eigen::Quaterniond turn = Eigen::AngleAxisd(lean, Vec3d(0.8, 0.6, 0)) * upright;
@@ -77,12 +77,12 @@ class Trial {
  public:
   Trial(Model model, double feed_speed) : model_(std::move(model)), feed_speed_(feed_speed) {
     ToolModel& tool = model_.tools[0];
-    tool.drive.stall_load = 0;  // holds its speed: what is compared is the law, not a stall
+    tool.drive.stall_load = 0;  // holds its speed: compares the law, not a stall
     speed_ = tool.drive.speed;
     const bool is_blade = tool.plunge_direction[2] > -0.9 || tool.motion != ToolMotion::kSpin;
     const bool goes_down = is_blade || tool.lips.areThere();
     pressed_ = placed(tool, is_blade ? 0 : kLean, kOverlap);
-    const double slot = std::min(kSlotDepth, 0.8 * tool.cut.bounds().size()[2]);  // what does not cut stays above
+    const double slot = std::min(kSlotDepth, 0.8 * tool.cut.bounds().size()[2]);  // non-cutting parts stay above
     depth_ = is_blade ? kKerfDepth : tool.lips.areThere() ? tool.lips.height + kKerfDepth : slot;
     cutting_ = placed(tool, 0, depth_);
     way_ = kFeedLength * (goes_down ? Vec3d(-Vec3d::UnitZ()) : Vec3d(Vec3d::UnitX()));
@@ -109,7 +109,7 @@ class Trial {
     return feed(model_, state, frame, from, way, 4, 0).force;
   }
 
-  // Straight down from the surface, as what is fed downwards comes: the height of what cuts leaves its mark.
+  // Straight down from the surface, as in a downward feed: the height of the cutting part leaves its mark.
   void sinkTo(const Rigid3& end, State& state, const Rigid3& frame) {
     constexpr int kTicks = 40;
     StepOutput tick;
@@ -120,7 +120,7 @@ class Trial {
     }
   }
 
-  // Fed evenly, from a place that is free.
+  // Fed evenly, from a free place.
   Feed cut(const std::shared_ptr<const BakedObject>& block, const Rigid3& frame) {
     model_.tools[0].drive.speed = speed_;
     State state;
@@ -147,7 +147,7 @@ Expected<Trial> makeTrial(const Tool& tool, double feed_speed) {
   return Trial(std::move(model), feed_speed);
 }
 
-// One number a subject.
+// One entry per subject.
 using Row = std::vector<Tried>;
 
 Expected<Row> tryAll(std::vector<Trial>& trials, const std::vector<Subject>& subjects, double voxel,
@@ -174,14 +174,14 @@ double quantityOf(const Tried& tried, std::size_t quantity) {
   return std::array{tried.pressed, tried.cutting, tried.removal}[quantity];
 }
 
-// Of one subject over the rows, %.
+// Spread of one subject over the rows, %.
 double spreadOf(const std::vector<Row>& rows, std::size_t subject, std::size_t quantity) {
   Spread spread;
   for (const Row& row : rows) spread.add(quantityOf(row[subject], quantity));
   return spread.percent();
 }
 
-// A column: the spread of each quantity over the rows, tool by tool, and the most of all tools.
+// A column: the spread of each quantity over the rows, per tool, and the maximum of all tools.
 void addColumn(Result& r, const std::string& column, const std::vector<Row>& rows) {
   for (std::size_t q = 0; q < kQuantities.size(); ++q) {
     double most = 0;
@@ -200,7 +200,7 @@ void noteMeans(Result& r, const Row& fine) {
                                   kTwelve[t].id, fine[t].pressed, kTwelve[t].feed, fine[t].cutting, fine[t].removal));
 }
 
-// What a column of the whole rack comes to: how many tools keep the goal, and which do not.
+// A column of the whole rack: how many tools meet the goal, and which miss it.
 void addRackColumn(Result& r, const std::string& column, const std::vector<Row>& rows,
                    const std::vector<Subject>& subjects, double goal) {
   for (std::size_t q = 1; q < kQuantities.size(); ++q) {

@@ -1,4 +1,4 @@
-// Whether a tool that does not turn sinks into what is harder than a hand: every tool of the rack, and one of a mesh.
+// Whether a tool at rest sinks into a material harder than a hand: every tool of the rack, and one from a mesh.
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
@@ -27,16 +27,16 @@ using namespace scenes;
 
 constexpr double kVoxels[] = {0.1, 0.05};     // mm
 constexpr double kWalls[] = {0, 0.3, 0.5};    // mm; 0: a solid block
-constexpr double kLeans[] = {0, 0.21, 0.44};  // rad, of the tool, one for each attitude of the block
+constexpr double kLeans[] = {0, 0.21, 0.44};  // rad, tilt of the tool, one for each attitude of the block
 constexpr std::size_t kAttitudes = std::size(kLeans);
 constexpr double kLeastWorkNoted = 0.95, kWorkNoted = 1.25, kVoxelNoted = 5;  // %, of the voxels
-constexpr double kLeastDug = 0.002;                                           // mm^3: less says little of a law
-constexpr double kThinPoint = 0.2;                                            // mm across, 0.3 mm behind the tip
+constexpr double kLeastDug = 0.002;  // mm^3: smaller volumes say little about a law
+constexpr double kThinPoint = 0.2;   // mm across, 0.3 mm behind the tip
 
-// All of them into the solid; into walls those that say so. Slowly, what gives way has time to.
+// All motions against the solid, some also against walls. A slow motion gives yielding contacts the time to yield.
 struct Motion {
   const char* name;
-  double hand_mm, speed;  // how far beyond the surface the hand ends up, and how fast it gets there, mm/s
+  double hand_mm, speed;  // end of the hand's path beyond the surface, mm; its speed, mm/s
   bool at_walls;
 };
 constexpr Motion kMotions[] = {{"hand 4 mm beyond", 4, 20, false}, {"hand 8 mm beyond", 8, 20, true},
@@ -51,7 +51,7 @@ Rigid3 attitudeOf(std::size_t n) {
              : turned(0.53 * at, {std::sin(2 * at + 1), std::cos(3 * at), 0.4}, {0.017 * at, -0.034 * at, 0.008 * at});
 }
 
-// What holds for enamel with the drive off holds for what is as stiff and as rough.
+// Results for enamel with the drive off hold for tissues as stiff and as rough.
 Expected<void> checkTissues(const TissueTable& tissues) {
   const Tissue& enamel = tissues[static_cast<std::size_t>(Material::kEnamel)];
   for (const Material other : {Material::kDentin, Material::kCortical}) {
@@ -63,15 +63,15 @@ Expected<void> checkTissues(const TissueTable& tissues) {
   return {};
 }
 
-// One tool, one way round.
+// One tool in one direction.
 struct Approach {
   std::string name;
   const ToolModel* tool;
-  Vec3d first;  // what goes first, tool frame, unit
+  Vec3d first;  // leading direction, tool frame, unit
   double across = 0;
 };
 
-// What one approach came to.
+// Result of one approach.
 struct Tally {
   int runs = 0, digs = 0, judged = 0, too_deep = 0, passed = 0, at_walls = 0;
   int aim_too_deep = 0, aim_passed = 0;  // by a tap of 1 m/s
@@ -79,7 +79,7 @@ struct Tally {
   double fall = 0;                         // N
   double least_force = 1;                  // at the end, over that of the hand's spring
   std::array<double, kMost> deepest{};     // mm
-  double least_work = 1e9, most_work = 0;  // over what the law asks for the volume
+  double least_work = 1e9, most_work = 0;  // over the law's energy for the volume
   double voxel_effect = 0;                 // %, of the removed volume
   std::uint64_t hash = 0;
 };
@@ -99,8 +99,8 @@ Expected<Blocks> makeBlocks() {
   return blocks;
 }
 
-// Removal has to be what the work pays for, whatever the tool: constant forces, two voxels. Drills have a law of their
-// own: their lips pay for a chip by its thickness.
+// Removal has to match the work for any tool: constant forces, two voxels. Drills follow their own law: their lips pay
+// for a chip by its thickness.
 void digAll(const Approach& approach, const Model& model, std::size_t tool, const Blocks& blocks, Tally& tally) {
   if (model.tools[tool].lips.height > 0) return;
   const ToolDrive& drive = model.tools[tool].drive;
@@ -129,10 +129,10 @@ void digAll(const Approach& approach, const Model& model, std::size_t tool, cons
   }
 }
 
-// Of each motion, voxel and attitude, mm.
+// Depth by motion, voxel and attitude, mm.
 using Depths = std::array<std::array<std::array<double, kAttitudes>, std::size(kVoxels)>, kMost>;
 
-// @param ball  how deep a ball of 1 mm gets; null: nothing is judged.
+// @param ball  depths of a ball of 1 mm; null: no judgement.
 Tally tryAll(const Approach& approach, const Model& model, std::size_t tool, const Blocks& blocks, const Depths* ball,
              Depths* out) {
   Tally tally;
@@ -162,7 +162,7 @@ Tally tryAll(const Approach& approach, const Model& model, std::size_t tool, con
           if (out) (*out)[m][v][n] = sunk.deepest;
           const double allowed = ball ? std::max(least, 2 * (*ball)[m][v][n]) : 1e9;
           (is_aim ? tally.aim_too_deep : tally.too_deep) += sunk.deepest > allowed;
-          if (!(sunk.deepest >= 0 && sunk.deepest < 100)) ++tally.too_deep;  // not a number, too
+          if (!(sunk.deepest >= 0 && sunk.deepest < 100)) ++tally.too_deep;  // true for NaN too
           if (kMotions[m].speed < 100) {
             const double wanted = std::min(kMotions[m].hand_mm - sunk.deepest, model.settings.coupling.force_limit);
             tally.least_force = std::min(tally.least_force, sunk.force / wanted);
@@ -174,8 +174,8 @@ Tally tryAll(const Approach& approach, const Model& model, std::size_t tool, con
   return tally;
 }
 
-// A four-sided spike of that length (mm), 0.2 mm across at its end and 1.2 mm at the shank, as a closed mesh of which
-// the lower part cuts.
+// A four-sided spike of that length (mm), 0.2 mm across at its end and 1.2 mm at the shank, as a closed mesh. Its lower
+// part cuts.
 Expected<Tool> meshSpike(const Bench& bench, double length) {
   Mesh spike;
   for (const auto& [half, height] : {std::pair(0.1, 0.0), std::pair(0.6, length)})
@@ -225,7 +225,7 @@ Expected<Result> benchSink(const Bench& bench) {
     tools.push_back(drawn);
   }
   KERF_TRY(model, makeModel(tools, at_once));
-  Model steady = model;  // drives that hold their speed: what is compared is the law of removal, not of a stall
+  Model steady = model;  // drives that hold their speed: compares the law of removal, not a stall
   for (ToolModel& tool : steady.tools) tool.drive.stall_load = 0;
 
   std::vector<Approach> approaches;
@@ -257,7 +257,7 @@ Expected<Result> benchSink(const Bench& bench) {
 
   Tally all;
   std::uint64_t hash = 0;
-  std::string off;  // tools whose removal is not the law's
+  std::string off;  // tools with another removal law
   for (std::size_t n = 0; n < tallies.size(); ++n) {
     const Tally& t = tallies[n];
     hash = hash * 0x100000001b3ull ^ t.hash;

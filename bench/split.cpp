@@ -1,5 +1,5 @@
-// A mandible sawn through on the clock: how soon after the last bridge its pieces are objects of their own, and whether
-// subscribers have their fields.
+// A mandible is sawn through in real time: delay from the last bridge to separate objects, and whether subscribers have
+// their fields.
 #include <fmt/format.h>
 
 #include <chrono>
@@ -25,7 +25,7 @@ namespace {
 
 using namespace scenes;
 
-// Behind the last molars, the blade across the bone, teeth down: through on one side, then on the other.
+// Behind the last molars, the blade across the bone, teeth down: through one side, then the other.
 CutPath throughBothSides(const BrickField& phi, double y, double half_blade) {
   constexpr double kSpeed = 15;  // mm/s
   const double bottom = phi.bounds().min[2];
@@ -48,11 +48,11 @@ CutPath throughBothSides(const BrickField& phi, double y, double half_blade) {
   return path;
 }
 
-// A split as the log has it: the tick at which the session made the pieces objects of their own.
+// A split in the log: the tick at which the session made the pieces separate objects.
 struct LoggedSplit {
   std::uint64_t tick;
   std::size_t object;
-  std::uint64_t in_pieces = 0;  // the first tick after which the object was in pieces; 0: not found
+  std::uint64_t in_pieces = 0;  // the first tick with the object in pieces; 0: not found
 };
 
 Expected<std::vector<LoggedSplit>> splitsOf(const SessionLog& log) {
@@ -65,7 +65,7 @@ Expected<std::vector<LoggedSplit>> splitsOf(const SessionLog& log) {
   return splits;
 }
 
-// Finds the pieces of an object that is being cut, from some moment of the replay on.
+// Finds the pieces of an object during a replay, from a given moment on.
 class PieceWatch {
  public:
   // Whether the object is in pieces now.
@@ -94,10 +94,10 @@ class PieceWatch {
   std::unique_ptr<PieceFinder> finder_;
 };
 
-// By the log: ticks from the first after which the object of a split was in pieces to the split.
+// From the log: ticks between the separation of an object and its split.
 Expected<std::vector<double>> ticksToSplit(const SessionLog& log, Model model,
                                            const std::shared_ptr<const BakedObject>& object, const Bench& bench) {
-  constexpr std::uint64_t kBefore = 150;  // ticks before a split from which on pieces are looked for
+  constexpr std::uint64_t kBefore = 150;  // ticks before a split at which the search for pieces starts
   Rigid3 start;
   KERF_CHECK(restoreSettings(log, "log", model, start));
   KERF_TRY(splits, splitsOf(log));
@@ -133,7 +133,7 @@ Expected<std::vector<double>> ticksToSplit(const SessionLog& log, Model model,
   return ticks;
 }
 
-// A subscriber of the pieces: each has a field of its own, and a mesher that starts from it.
+// A subscriber of the pieces: each has its own field and a mesher that starts from it.
 class ShownPieces {
  public:
   // Called by the maker of pieces, on its thread.
@@ -144,7 +144,7 @@ class ShownPieces {
     piece.feed = std::move(feed);
   }
 
-  // Makes the meshes of pieces that came since; notes the slowest.
+  // Makes the meshes of new pieces and notes the slowest.
   void meshNewPieces() {
     // Not under the lock: the maker of pieces must not wait for a mesh.
     std::vector<Piece*> fresh;
@@ -176,7 +176,7 @@ class ShownPieces {
   double slowest_ms_ = 0;
 };
 
-// @param ticks  from the last bridge to objects of their own, split by split.
+// @param ticks  from the last bridge to separate objects, per split.
 void addSplits(Result& r, const HapticThread& haptic, const SessionRecorder& recorder, const std::vector<double>& ticks,
                double slowest_mesh) {
   const HapticCounts& counts = haptic.report().counts;
@@ -234,7 +234,7 @@ Expected<Result> benchSplit(const Bench& bench) {
   while (mesher.take().empty()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
 
   BrickFeed* const feeds[] = {&feed};
-  const StoppedAtTheEnd stopped{haptic};  // before what it writes to, should this be cancelled
+  const StoppedAtTheEnd stopped{haptic};  // before its output, should this be cancelled
   KERF_CHECK(haptic.start(device, feeds, &recorder));
   addGrant(r, haptic);
   while (!device.isOver()) {

@@ -1,14 +1,14 @@
-// How far numbers that should be one and the same lie apart.
+// Spread of numbers that should be equal.
 #pragma once
 
 #include <algorithm>
 
 namespace kerf::cli {
 
-/// By how many percent a is more than b.
+/// Excess of a over b, percent.
 inline double percentOff(double a, double b) { return 100 * (a / b - 1); }
 
-/// The least and the most of some numbers.
+/// Minimum and maximum of some numbers.
 struct Spread {
   double least = 1e9, most = 0;
   void add(double value) {

@@ -1,4 +1,4 @@
-// How long a tick takes: the scenes that gate the haptic rate.
+// Duration of a tick: the scenes that gate the haptic rate.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -17,7 +17,7 @@ namespace {
 
 using namespace scenes;
 
-// @param of  whose ticks: stands before each name.
+// @param of  owner of the ticks: a prefix of each name.
 void addPercentiles(Result& r, const std::vector<double>& ms, const std::string& of = "") {
   r.add(of + "p50", percentile(ms, 0.5), "ms");
   r.add(of + "p99", percentile(ms, 0.99), "ms");
@@ -25,15 +25,15 @@ void addPercentiles(Result& r, const std::vector<double>& ms, const std::string&
   r.add(of + "max", percentile(ms, 1), "ms");
 }
 
-// The same deterministic work again: of each piece what it took at least is the program's own time, without what else
-// the machine did. The first run's times are what a hand would have got.
+// Repeats the same deterministic work. The minimum per tick is the program's own time, without load of the machine. The
+// first run has the times of a real hand.
 constexpr int kRuns = 3;
 void keepLeast(std::vector<double>& least, const std::vector<double>& ms) {
   if (least.empty()) least = ms;
   for (std::size_t n = 0; n < std::min(least.size(), ms.size()); ++n) least[n] = std::min(least[n], ms[n]);
 }
 
-// Changed bricks on their way to the visible mesh. The clock is the session's: a mesher that is busy when a brick
+// Changed bricks on their way to the visible mesh. The session sets the clock: a mesher that is busy when a brick
 // changes takes it with its next batch.
 struct MeshLatency {
   explicit MeshLatency(const CutObject& object) : remesher(object.baked().phi0()) {}
@@ -65,16 +65,16 @@ tl::unexpected<Error> differing(const char* scene) {
                .hint = "report this"});
 }
 
-// What the ticks in contact cost, and did.
+// Cost and effect of the ticks in contact.
 struct Ticks {
   std::vector<double> ms;
-  std::vector<double> least_ms;                 // of several runs, tick by tick; empty: there was one
+  std::vector<double> least_ms;                 // of several runs, tick by tick; empty: only one run
   double touching = 0, tested = 0, bricks = 0;  // sums
   double most_force = 0;                        // N
   std::uint64_t troubled = 0;                   // ticks with a bit in their status
   std::uint64_t hash = 0;
 
-  // @param of  whose ticks: stands before each name.
+  // @param of  owner of the ticks: a prefix of each name.
   void addCounts(Result& r, const std::string& of = "") const {
     const auto count = static_cast<double>(ms.size());
     r.add(of + "nodes tested a tick", tested / count);
@@ -118,7 +118,7 @@ Expected<Ticks> timeTicks(const Model& model, State& state, VirtualHand& hand, c
   return ticks;
 }
 
-// A tool that goes straight down into the middle of a block: first without resistance, then timed.
+// A tool goes straight down into the middle of a block: first without resistance, then timed.
 struct Sinking {
   Rigid3 start;      // of the tool: it touches the block's top
   double depth = 0;  // mm, without resistance
@@ -164,7 +164,7 @@ Expected<Ticks> timeSinking(const std::shared_ptr<const BakedObject>& block, Mod
   return ticks;
 }
 
-// A plate of `side` x `side` x 3 mm, its lowest millimetre the cutting part.
+// A plate of `side` x `side` x 3 mm. Its lowest millimetre cuts.
 ToolModel plateOf(double side) {
   Box3 box;
   box.add(Vec3d(-side / 2, -side / 2, 0));
@@ -183,7 +183,7 @@ ToolModel plateOf(double side) {
   return plate;
 }
 
-// Contact of a plate with a block a little larger than itself.   @param nominal  nodes the times are scaled to.
+// Contact of a plate with a block a little larger than itself.   @param nominal  node count for scaling the times.
 Expected<std::vector<double>> timePoints(Result& r, double side, const char* name, double nominal, const Bench& bench) {
   KERF_TRY(block, practiceBlock({side + 4, side + 4, 1.5}, 0.1));
   KERF_TRY(model, makeModel({}));
@@ -196,7 +196,7 @@ Expected<std::vector<double>> timePoints(Result& r, double side, const char* nam
   for (int n = 0; n < kRuns * kEvaluations; ++n) {
     if (n % 256 == 0 && !report(bench.progress, static_cast<double>(n) / (kRuns * kEvaluations), "points"))
       return cancelled();
-    object.odometer += 1e6;  // nothing sleeps: every node is tested
+    object.odometer += 1e6;  // no node sleeps: every node is tested
     ContactInput in;
     in.tool = &plate;
     in.tissues = &model.tissues;
@@ -286,7 +286,7 @@ Expected<Result> benchTickBur(const Bench& bench) {
     addPercentiles(r, r.ms);
   }
 
-  // Once more with a mesher: the step's thread and core are its own, so its ticks are timed without one.
+  // Repeats with a mesher. The step has its own thread and core, so its ticks are timed without a mesher.
   State again;
   again.objects.emplace_back(object, 8192);
   FeedHand hand(path);
@@ -311,7 +311,7 @@ Expected<Result> benchTickSaw(const Bench& bench) {
   State state;
   state.objects.emplace_back(object, 8192);
 
-  // Behind the last molar on the left: the widest stretch of bone across.
+  // Behind the last molar on the left: the widest stretch of bone.
   const double y = 58;
   const BoneAcross bone = boneAcross(object->phi0(), y, 1);
   if (bone.from == 0) return brokenScene("demo mandible", "no bone where the saw goes", "");

@@ -15,11 +15,11 @@ namespace {
 using namespace scenes;
 
 constexpr double kWall = 0.3;    // mm
-constexpr double kBehind = 40;   // mm: where the hand ends up
-constexpr double kBefore = 4.9;  // mm: where it starts, more or less
+constexpr double kBehind = 40;   // mm: end of the hand's path
+constexpr double kBefore = 4.9;  // mm: approximate start
 
 struct Pass {
-  bool is_missed = false;  // no tick told of a contact
+  bool is_missed = false;  // no tick reported a contact
   bool is_behind = false;  // the tool came out on the other side
   double deepest = 0;      // mm below the wall's near side
   double removed = 0;      // mm^3
@@ -27,7 +27,7 @@ struct Pass {
   std::uint64_t state = 0;
 };
 
-// A hand goes straight through a wall at `speed` and on to 40 mm behind it. `turn`: the tool in the wall's frame, z out
+// A hand goes straight through a wall at `speed` and ends 40 mm behind it. `turn`: the tool in the wall's frame, z out
 // of the wall; `tip`: place of its foremost point.
 Expected<Pass> pass(const Model& model, double voxel, const Rigid3& attitude, const Eigen::Quaterniond& turn,
                     const Vec3d& tip, double speed, double offset, double pedal) {
@@ -55,7 +55,7 @@ Expected<Pass> pass(const Model& model, double voxel, const Rigid3& attitude, co
   }
 
   out.is_missed = out.ms.empty();
-  // Beyond the far side by more than a tool held by the wall can reach.
+  // Beyond the far side, out of reach of a tool held by the wall.
   out.is_behind = out.deepest > kWall + 0.5;
   out.state = state.hash();
   return out;
@@ -68,7 +68,7 @@ struct Approach {
   Vec3d tip;  // tool frame
 };
 
-// What four attitudes and two voxels show at one speed.
+// Results of four attitudes and two voxels at one speed.
 struct Tally {
   int places = 0, runs = 0;
   int passed = 0, missed_coupled = 0, missed_rigid = 0, uncut = 0;
@@ -87,22 +87,22 @@ Expected<void> tryWall(const Approach& approach, double speed, int n, double vox
                        std::uint64_t& hash) {
   const Rigid3 attitude =
       turned(0.53 * n, {std::sin(2.0 * n + 1), std::cos(3.0 * n), 0.4}, 0.017 * n * Vec3d(1, -2, 0.5));
-  const double offset = 0.23 * n;  // where between two samples the wall stands
+  const double offset = 0.23 * n;  // position of the wall between two samples
   Model model;
   model.tools = {approach.tool};
   model.tissues = oneTissue(200, 0.5, 1000);
-  // Guided by hand, not turning: the wall has to stop it.
+  // Guided by hand, at rest: the wall has to stop it.
   KERF_TRY(guided, pass(model, voxel, attitude, approach.turn, approach.tip, speed, offset, 0));
   tally.passed += guided.is_behind;
   tally.missed_coupled += guided.is_missed;
   tally.deepest = std::max(tally.deepest, guided.deepest);
 
-  // A machine: nothing stops it, and it has to notice.
+  // Driven by a machine: nothing stops it, and it has to notice the wall.
   model.settings.rendering = Rendering::kRigid;
   KERF_TRY(driven, pass(model, voxel, attitude, approach.turn, approach.tip, speed, offset, 0));
   tally.missed_rigid += driven.is_missed;
 
-  // The same, cutting whatever it meets: there has to be a hole.
+  // The same, cutting: the wall must have a hole.
   model.settings.geometry_only = true;
   KERF_TRY(cutting, pass(model, voxel, attitude, approach.turn, approach.tip, speed, offset, 1));
   tally.uncut += cutting.removed <= 0;

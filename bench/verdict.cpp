@@ -7,7 +7,7 @@
 namespace kerf::cli {
 namespace {
 
-// Whether `text` is `pattern` with a text, not empty, in the place of each {}.
+// Whether `text` matches `pattern`, where each {} stands for a text that is not empty.
 bool matches(std::string_view pattern, std::string_view text) {
   const std::size_t gap = pattern.find("{}");
   if (gap == pattern.npos) return text == pattern;

@@ -1,4 +1,4 @@
-// What the numbers of `kerf-bench` have to be, and the verdict on those of a run.
+// Goals for the numbers of `kerf-bench`, and the verdict on a run.
 #pragma once
 
 #include <span>
@@ -17,19 +17,19 @@ struct Measured {
   std::string unit;  ///< empty: a count or a ratio
 };
 
-/// How a number is compared with its limit. NaN meets no goal.
+/// Comparison of a number with its limit. NaN meets no goal.
 enum class Sense { kAtMost, kAtLeast, kExactly };
 
-/// "at most", "at least", "exactly"; with `_` in the place of the blank, the key in JSON.
+/// "at most", "at least", "exactly"; with `_` for the blank, the key in JSON.
 std::string_view wordsOf(Sense sense);
 
-/// A goal that is missed fails the command. An aim is known to be missed so far: it is shown, and fails nothing.
+/// A missed goal fails the command. An aim is a goal known to be missed: it is shown, and fails nothing.
 enum class Weight { kGoal, kAim };
 
 /// One goal: a row of a scene's table.
 struct Goal {
-  std::string_view name;  ///< of the number; each {} stands for any text: "force at {} mm"
-  std::string_view unit;  ///< of the number; another unit is another number
+  std::string_view name;  ///< of the number; each {} matches any text: "force at {} mm"
+  std::string_view unit;  ///< of the number; a different unit is a different number
   Sense sense = Sense::kAtMost;
   double limit = 0;
   Weight weight = Weight::kGoal;
@@ -45,19 +45,19 @@ struct Goal {
 /// The verdict on a run of one scene.
 struct Verdict {
   std::vector<const Goal*> goal_of;       ///< for each number; null: it has no goal
-  std::vector<const Goal*> not_measured;  ///< goals that no number is about
-  std::vector<std::string> missed;        ///< a sentence for each goal missed, and for each row not measured
+  std::vector<const Goal*> not_measured;  ///< goals without a number
+  std::vector<std::string> missed;        ///< a sentence for each missed goal, and for each row not measured
 
   bool isMet() const { return missed.empty(); }
 };
 
-/// Compares each number with the first goal that is about it. A goal that no number is about is missed: a scene that
-/// stops measuring something must not pass by that. `goals` have to outlive the verdict.
+/// Compares each number with its first matching goal. A goal without a number is missed, so a scene cannot silently
+/// stop measuring. `goals` must outlive the verdict.
 Verdict judge(std::span<const Goal> goals, std::span<const Measured> numbers);
 
 /// Replaces limits by the user's own.
 /// @param limits  each "NAME=NUMBER", NAME as in the table or as measured.
-/// @return an error that lists the names, when no goal has that one.
+/// @return an error with the list of names, if no goal has that name.
 Expected<void> changeLimits(std::vector<Goal>& goals, std::span<const std::string> limits);
 
 }  // namespace kerf::cli

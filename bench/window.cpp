@@ -1,4 +1,4 @@
-// The cost of a frame of the window. kerf-bench knows no OpenGL: it runs kerf-sim, the program beside it.
+// Cost of a window frame. kerf-bench has no OpenGL: it runs kerf-sim from its own folder.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -36,7 +36,7 @@ struct Output {
   int status = 0;
 };
 
-// Of the kerf-sim beside this program.
+// Path of the kerf-sim beside this program.
 Expected<Output> runWindowProgram(const std::string& arguments) {
   std::error_code failed;
   const std::filesystem::path program =
@@ -51,7 +51,7 @@ Expected<Output> runWindowProgram(const std::string& arguments) {
   return out;
 }
 
-// The object of {"name": {...}} behind `watched`, as FrameWatch prints it; 0: it is not there.
+// The object of {"name": {...}} behind `watched`, as FrameWatch prints it; 0: missing.
 double watched(const std::string& text, const std::string& part, const std::string& number) {
   const std::size_t begin = part.empty() ? text.find("watched {") : text.find("\"" + part + "\": {");
   const std::size_t at = begin == text.npos ? begin : text.find("\"" + number + "\": ", begin);
@@ -60,10 +60,10 @@ double watched(const std::string& text, const std::string& part, const std::stri
 
 }  // namespace
 
-// A scan is opened, drilled along its middle for a while and exported, every frame drawn as in the window.
+// Opens a scan, drills along its middle for a while, and exports it. Every frame is drawn as in the window.
 Expected<Result> benchWindowSession(const Bench& bench) {
   constexpr int kWidth = 1280, kHeight = 720;
-  constexpr double kWay = 0.4;  // s from one place of the pointer to the next
+  constexpr double kWay = 0.4;  // s between two places of the pointer
   const std::filesystem::path folder = bench.scratch.path();
   KERF_CHECK(writeMesh(folder / "scan.ply", demoMolar(kEdge)));
   std::string script = fmt::format(
@@ -100,9 +100,9 @@ Expected<Result> benchWindowSession(const Bench& bench) {
 
 namespace {
 
-// Many strokes of three burs all over a tooth, ever deeper so that there is always something to cut; after every tenth
-// two are taken back and one is done again. Each says how much memory there is.
-// @return  how many strokes.
+// Many strokes of three burs all over a tooth, at increasing depth so that each cuts. After every tenth stroke: two
+// undos, one redo. Each stroke prints the memory.
+// @return  number of strokes.
 int writeLongSession(std::ostream& script, double seconds) {
   constexpr double kStroke = 6.4;  // s
   constexpr const char* kBurs[] = {"round-014", "round-010", "856-016"};
@@ -122,7 +122,7 @@ int writeLongSession(std::ostream& script, double seconds) {
   return strokes;
 }
 
-// What `print` says of memory, in order. Lines of others are left out.
+// The memory values of `print`, in order. Skips other lines.
 std::vector<nlohmann::json> memoryIn(const std::string& text) {
   std::vector<nlohmann::json> out;
   std::istringstream lines(text);
@@ -135,7 +135,7 @@ std::vector<nlohmann::json> memoryIn(const std::string& text) {
 
 }  // namespace
 
-// A tooth is drilled for long, without pictures: what of the memory grows.
+// Drills a tooth for long, without pictures: growth of memory.
 Expected<Result> benchWindowMemory(const Bench& bench) {
   const std::filesystem::path folder = bench.scratch.path();
   KERF_CHECK(writeMesh(folder / "scan.ply", demoMolar(0.2)));

@@ -7,7 +7,7 @@
 namespace kerf::scenes {
 namespace {
 
-// A brick's values before a cut, whether it is stored or not.
+// Values of a stored or unstored brick before a cut.
 BrickEdit editOf(const OverlayField& field, const Vec3i& brick) {
   BrickEdit edit;
   edit.brick = brick;

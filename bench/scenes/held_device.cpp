@@ -13,7 +13,7 @@ namespace {
 constexpr int kParts = 20;        // of a tick
 constexpr double kTonnes = 1e-3;  // of a kg
 
-// The same on every machine, as the distributions of the standard library are not.
+// Gives the same numbers on every machine, unlike the distributions of the standard library.
 class Draw {
  public:
   explicit Draw(std::uint64_t seed) : random_(seed) {}
@@ -35,7 +35,7 @@ class Draw {
   std::mt19937_64 random_;
 };
 
-// A damper beside a spring, as a share of the critical one.
+// Damping of a damper beside a spring, as a share of critical damping.
 double damper(double share, double stiffness, double mass) { return 2 * share * std::sqrt(stiffness * mass); }
 
 void drawHand(Draw& draw, HeldDeviceNumbers& n) {
@@ -82,7 +82,7 @@ HeldDeviceNumbers randomDevice(std::uint64_t seed, double least_friction) {
 HeldDeviceNumbers randomTurningDevice(std::uint64_t seed) {
   Draw draw(seed);
   HeldDeviceNumbers n;
-  constexpr double kLever = 50;  // mm from the tip to where the hand holds
+  constexpr double kLever = 50;  // mm from the tip to the grip of the hand
   drawHand(draw, n);
   n.mass = draw.logUniform(2e-5, 2e-4) * 1e6 * kTonnes;
   n.damping = draw.logUniform(1e-4, 2e-3) * kLever * kLever;
@@ -125,7 +125,7 @@ void HeldDevice::tick(const Vec3d& force, const Vec3d& wanted) {
     const Vec3d held = n_.grip * (hand_ - device_) + n_.grip_damping * (hand_speed_ - device_speed_);
     const Vec3d pulled = n_.arm * (wanted_ - hand_) + n_.arm_damping * (wanted_speed - hand_speed_);
     hand_speed_ += dt / n_.hand_mass * (pulled - held);
-    // Damping implicitly; Coulomb friction takes what it can without turning the motion round.
+    // Implicit damping. Coulomb friction takes its share without reversing the motion.
     const Vec3d v = (n_.mass * device_speed_ + dt * (force_ + held)) / (n_.mass + dt * n_.damping);
     const double most = dt * n_.friction / n_.mass, moving = v.norm();
     device_speed_ = moving <= most ? Vec3d(Vec3d::Zero()) : Vec3d(v * (1 - most / moving));

@@ -1,4 +1,4 @@
-// A force-feedback device as it is, in a hand as it is: two masses, friction, a delay of its own, steps of its encoder.
+// Model of a force-feedback device held in a hand: two masses, friction, a delay, encoder steps.
 #pragma once
 
 #include <cstdint>
@@ -8,41 +8,42 @@
 
 namespace kerf::scenes {
 
-/// The device is tied to the hand by a grip, the hand to where the arm wants it. mm, N, t (a tonne, 1000 kg), s; of a
-/// device that turns rad, N mm, t mm^2.
+/// A grip joins the device to the hand; an arm pulls the hand to its target. Units: mm, N, t (a tonne, 1000 kg), s; for
+/// a turning device rad, N mm, t mm^2.
 struct HeldDeviceNumbers {
   double mass = 8e-5, damping = 5e-4;  ///< of the device
   double friction = 0.02;              ///< Coulomb
-  double step = 0.03;                  ///< of its encoder; 0: perfect
+  double step = 0.03;                  ///< of the encoder; 0: perfect
   double delay_s = 0.002;              ///< from sample to motor
   double hand_mass = 2e-4;
   double grip = 1, grip_damping = 0.003;                     ///< from device to hand
-  double arm = 0.3, arm_damping = 0.003;                     ///< from hand to where the arm wants it
+  double arm = 0.3, arm_damping = 0.003;                     ///< from hand to the arm's target
   Eigen::Quaterniond axes = Eigen::Quaterniond::Identity();  ///< of the encoder
 
-  /// What a driver would know of it, translation or turning.
+  /// The driver's view of the device, for translation or turning.
   DeviceProfile profile() const;
   DeviceProfile turningProfile() const;
 };
 
-/// Devices of 30 to 300 g, 0.1 to 2 N s/m, encoders of 5, 30 and 55 um, delays of 1 to 5 ms; hands of 50 to 400 g,
-/// grips of 0.3 to 2 (half of them) or 3 to 10 N/mm, arms of 0.05 to 0.8 N/mm. The same numbers for the same seed.
-/// @param least_friction  N: a third have exactly that; the others up to 0.05.
+/// Random devices of 30 to 300 g, 0.1 to 2 N s/m, encoders of 5, 30 and 55 um, delays of 1 to 5 ms; hands of 50 to 400
+/// g, grips of 0.3 to 2 (half of them) or 3 to 10 N/mm, arms of 0.05 to 0.8 N/mm. The seed determines the numbers.
+/// @param least_friction  N: the exact value of a third; the others have up to 0.05.
 HeldDeviceNumbers randomDevice(std::uint64_t seed, double least_friction = 0.01);
-/// The same with 2e-5 to 2e-4 kg m^2, friction of 0.1 to 0.5 N mm, encoders of 0.05, 0.2 and 0.5 mrad.
+/// The same, turning: 2e-5 to 2e-4 kg m^2, friction of 0.1 to 0.5 N mm, encoders of 0.05, 0.2 and 0.5 mrad.
 HeldDeviceNumbers randomTurningDevice(std::uint64_t seed);
-/// As a device should be, in the same hand: no delay, a perfect encoder, friction 0.05 N.
+/// An ideal device in the same hand: no delay, a perfect encoder, friction 0.05 N.
 HeldDeviceNumbers idealised(HeldDeviceNumbers numbers);
 
 class HeldDevice {
  public:
   HeldDevice(const HeldDeviceNumbers& numbers, const Vec3d& start);
-  /// What its encoder says.
+  /// Reading of the encoder.
   Vec3d read() const;
-  /// A tick of kTick. @param force  for the sample that was read last.   @param wanted  by the arm, at its end.
+  /// Advances a tick of kTick. @param force  for the last sample read.   @param wanted  the arm's target at the end of
+  /// the tick.
   void tick(const Vec3d& force, const Vec3d& wanted);
   const Vec3d& position() const { return device_; }
-  /// Work of the motors on the device, less what its own damping and friction took, N mm.
+  /// Work of the motors on the device, less the losses by its damping and friction, N mm.
   double given() const { return work_ - lost_; }
 
  private:

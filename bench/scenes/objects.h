@@ -1,4 +1,4 @@
-// Objects of plain geometry and their tissue, and what a scene asks of an object while it is cut.
+// Objects of simple geometry, their tissue, and queries on an object during a cut.
 #pragma once
 
 #include <memory>
@@ -11,7 +11,7 @@
 namespace kerf::scenes {
 
 /// One tissue everywhere.
-/// @param stiffness  N/mm^3.   @param friction  of Coulomb.   @param energy  specific cutting energy, N/mm^2.
+/// @param stiffness  N/mm^3.   @param friction  Coulomb.   @param energy  specific cutting energy, N/mm^2.
 TissueTable oneTissue(double stiffness, double friction, double energy);
 
 /// Signed distance to a box, mm, negative inside.   @param half  of its sides.
@@ -23,22 +23,22 @@ Expected<std::shared_ptr<const BakedObject>> practiceSphere(const Vec3d& center,
 /// The highest tissue on a vertical line, mm; NaN: none.
 double topAt(const BrickField& phi, double x, double y, const Box3& box);
 
-/// Where a saw goes through one side of a mandible that stands upright: bone along x, at y = `y`, from 5 mm off the
-/// middle outwards, in steps of 0.5 mm.
+/// Saw section through one side of an upright mandible: bone along x, at y = `y`, from 5 mm off the middle outwards, in
+/// steps of 0.5 mm.
 struct BoneAcross {
-  double from = 0, to = 0;  ///< |x| of the first and the last bone, mm; from == 0: there is none
+  double from = 0, to = 0;  ///< |x| of the first and the last bone, mm; from == 0: none
   double top = -1e9;        ///< the highest bone, mm
 };
 /// @param side  1: x > 0; -1: x < 0.
 BoneAcross boneAcross(const BrickField& phi, double y, double side);
 
-/// The field as it is now: the baked one with what was changed.
+/// The current field: the baked field with its changes.
 BrickField currentField(const CutObject& object);
 
-/// Appends a brick's present values.
+/// Appends the current values of a brick.
 void appendEdit(std::vector<BrickEdit>& edits, const CutObject::Slot& slot);
 
-/// Lets the object have bricks for some more ticks, as a session does.
+/// Reserves bricks for the next ticks, as a session does.
 void reserveForTicks(CutObject& object);
 
 }  // namespace kerf::scenes

@@ -22,7 +22,7 @@ Press press(const Model& model, const std::shared_ptr<const BakedObject>& object
   DeviceSample sample;
   state.place(poseAt(path, 0));
 
-  // The hand holds still from 0.5 to 1.5 s; it has come to rest by 1.2 s.
+  // The hand holds still from 0.5 to 1.5 s, and is at rest by 1.2 s.
   Press result;
   double low = std::numeric_limits<double>::infinity();
   double high = -low;

@@ -1,4 +1,4 @@
-// A simulated device and hand, pressed on a wall that does not give way: whether the device is given energy.
+// A simulated device and hand press on a rigid wall: whether the device gains energy.
 #pragma once
 
 #include <memory>
@@ -9,15 +9,15 @@
 
 namespace kerf::scenes {
 
-/// 3 mm down in 0.5 s, 2 mm of them beyond z = 0; held there for a second; up again.
+/// 3 mm down in 0.5 s, 2 mm of them beyond z = 0, a hold of one second, and up again.
 CutPath downAndUp();
 
 struct Press {
-  double energy = -1e9;  ///< the most the device was given beyond its own losses, N mm = mJ; above 0: it was
-  double trembling = 0;  ///< mm from end to end, while the hand holds still
+  double energy = -1e9;  ///< peak energy gain of the device beyond its own losses, N mm = mJ; above 0: gain
+  double trembling = 0;  ///< mm peak to peak, during the hold
 };
 
-/// A hand that follows downAndUp() with the first tool of the model.
+/// A hand follows downAndUp() with the first tool of the model.
 Press press(const Model& model, const std::shared_ptr<const BakedObject>& object, const DeviceHand::Options& options);
 
 }  // namespace kerf::scenes

@@ -1,4 +1,4 @@
-// A virtual hand as the device of the haptic thread: for tests and measurements.
+// A virtual hand as the device of the haptic thread, for tests and measurements.
 #pragma once
 
 #include <atomic>
@@ -8,9 +8,9 @@
 
 namespace kerf {
 
-/// Moves as its hand does, one tick a read(), and feels the force of the tick before. At the end of the way it stays
-/// where it is and lifts the pedal. For hands that go by the force alone: DeviceHand and FeedHand; a ForceHand watches
-/// the tool, which a device cannot see.
+/// Moves as its hand does, one tick per read(), and feels the force of the last tick. At the end of the path it stays
+/// there and lifts the pedal. For hands that use the force alone: DeviceHand and FeedHand. A ForceHand watches the
+/// tool, which a device cannot see.
 class SimulatedDevice final : public DeviceSource {
  public:
   /// @param hand  kept by reference.
@@ -23,7 +23,7 @@ class SimulatedDevice final : public DeviceSource {
     return sample_;
   }
   void write(const DeviceForce& force) noexcept override { last_.force = force; }
-  /// Any thread: the way is done.
+  /// Any thread: the path is complete.
   bool isOver() const noexcept { return is_over_.load(std::memory_order_acquire); }
 
  private:

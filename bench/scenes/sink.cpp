@@ -9,7 +9,7 @@
 namespace kerf::scenes {
 namespace {
 
-constexpr double kAir = 0.2;  // mm above the surface where it begins
+constexpr double kAir = 0.2;  // mm above the surface at the start
 
 double distanceTo(const ToolModel& tool, const Vec3d& p) {
   const Vec3f at = p.cast<float>();
@@ -18,7 +18,7 @@ double distanceTo(const ToolModel& tool, const Vec3d& p) {
   return tau;
 }
 
-// Tool axes in those of the surface: what goes first goes down, then it leans.
+// Tool axes in those of the surface: the foremost direction points down, then the tool leans.
 Eigen::Quaterniond attitudeIn(const SinkScene& scene) {
   return Eigen::AngleAxisd(scene.lean, Vec3d(0.8, 0.6, 0).normalized()) *
          Eigen::Quaterniond::FromTwoVectors(scene.first, -Vec3d::UnitZ());
@@ -27,8 +27,8 @@ Eigen::Quaterniond attitudeIn(const SinkScene& scene) {
 }  // namespace
 
 Vec3d foremost(const ToolModel& tool, const Vec3d& direction) {
-  // direction . p - tau(p) is nowhere more than the foremost point's, and as much on the way from it to the medial
-  // axis. Farther out distances are lower bounds, which would count too much.
+  // direction . p - tau(p) peaks at the foremost point and stays at that value from there to the medial axis. Farther
+  // out, distances are lower bounds and would count too much.
   constexpr double kExact = 0.4;  // mm
   const auto reach = [&](const Vec3d& p) {
     const double tau = distanceTo(tool, p);
@@ -90,7 +90,7 @@ Dig dig(const Model& model, std::size_t tool, const SinkScene& scene, double for
   const double lead = force / model.settings.coupling.stiffness;
   Rigid3 at = start;
   for (int n = 0; n < 2000 && out.seconds < seconds && out.depth < 3; ++n) {
-    // Held on its line sideways, as a guided hand would; pushed along it.
+    // Held sideways on its line, as by a guided hand, and pushed along it.
     const double along = (at.translation - start.translation).dot(down);
     step(model, state, sampleAt({start.rotation, start.translation + (along + lead) * down}), tick);
     reserveForTicks(state.objects[0]);
@@ -131,7 +131,7 @@ Sink sink(const Model& model, std::size_t tool, const SinkScene& scene) {
 
     out.deepest = std::max(out.deepest, -(to_surface * (tick.T_world_tool * tip))[2]);
     out.force = tick.force.force.dot(up);
-    // In air the hand feels the tool set in motion.
+    // In air the hand feels the inertia of the tool.
     has_touched |= tick.objects_touched != 0;
     out.untold += tick.contact.force.norm() > 0.1 && (tick.objects_touched == 0 || tick.touching == 0);
     if (n >= moving || !has_touched) continue;

@@ -1,4 +1,4 @@
-// What follows a cut: meshing again what changed, and finding the pieces.
+// The work after a cut: meshing the changes and finding the pieces.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ namespace {
 using scenes::ballWithAHole;
 using scenes::carve;
 
-// Dents in a ball of 12 mm at 0.1 mm, each at another place: 60 bricks changed by a tool of a millimetre or more.
+// Dents at different places of a ball of 12 mm at 0.1 mm: 60 bricks changed by a tool of a millimetre or more.
 class Dents {
  public:
   const BrickField phi0 = ballWithAHole(6.0, 0.1);
@@ -73,7 +73,7 @@ void remeshSixtyBricks(benchmark::State& state) {
 }
 BENCHMARK(remeshSixtyBricks)->UseManualTime()->Iterations(200)->Unit(benchmark::kMillisecond);
 
-// The same through the mesher's thread: from the first push to the chunks in the reader's hand.
+// The same through the mesher's thread: from the first push to the chunks at the reader.
 void meshSixtyBricksInTheThread(benchmark::State& state) {
   Dents dents;
   BrickFeed feed;
@@ -94,7 +94,7 @@ void meshSixtyBricksInTheThread(benchmark::State& state) {
 }
 BENCHMARK(meshSixtyBricksInTheThread)->UseManualTime()->Iterations(200)->Unit(benchmark::kMillisecond);
 
-// A block of 50 x 50 x `long_mm` mm at 0.1 mm, sawn through but for a bridge of 1 x 1 mm.
+// A block of 50 x 50 x `long_mm` mm at 0.1 mm, sawn through except for a bridge of 1 x 1 mm.
 BrickField sawnBlock(double long_mm) {
   Box3 box;
   box.add(Vec3d(-25, -25, -long_mm / 2));
@@ -109,7 +109,7 @@ BrickField sawnBlock(double long_mm) {
       box, 0.1);
 }
 
-// From the edits that take the last bridge to the pieces.
+// From the edits that remove the last bridge to the pieces.
 void piecesOfABlock(benchmark::State& state) {
   const BrickField phi0 = sawnBlock(static_cast<double>(state.range(0)));
   const auto before_build = std::chrono::steady_clock::now();
@@ -144,7 +144,7 @@ void piecesOfABlock(benchmark::State& state) {
 }
 BENCHMARK(piecesOfABlock)->Arg(20)->Arg(100)->UseManualTime()->Iterations(20)->Unit(benchmark::kMillisecond);
 
-// The smaller piece of the block as a field of its own.
+// The smaller piece of the block as a separate field.
 void splitABlock(benchmark::State& state) {
   const BrickField phi0 = sawnBlock(static_cast<double>(state.range(0)));
   OverlayField truth(phi0);

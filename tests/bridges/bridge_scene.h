@@ -15,7 +15,7 @@
 
 namespace kerf::test {
 
-/// A program with a pipe as its standard input; it is ended by SIGTERM.
+/// A program with a pipe as its standard input. SIGTERM ends it.
 class Program {
  public:
   explicit Program(const std::vector<std::string>& words) {
@@ -51,7 +51,7 @@ class Program {
     process_ = 0;
     return WEXITSTATUS(status_);
   }
-  /// Waits until it ends by itself.
+  /// Waits until the program ends by itself.
   int wait() {
     ::waitpid(process_, &status_, 0);
     process_ = 0;
@@ -63,7 +63,7 @@ class Program {
   int keys_ = -1, status_ = 0;
 };
 
-/// Kerf's side: any port, and force as soon as a hand leads.
+/// Kerf's side: any port; force starts as soon as a hand leads.
 inline std::unique_ptr<BridgeDevice> openKerf() {
   auto kerf = BridgeDevice::open({.limits = {.force = 3, .rate = 500, .ramp_s = 0.1}});
   EXPECT_TRUE(kerf) << kerf.error().message();

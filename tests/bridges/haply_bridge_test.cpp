@@ -71,7 +71,7 @@ TEST_F(HaplyBridge, LeadsAndGivesForceAndNoneWithoutNewsOfEitherSide) {
   ASSERT_TRUE(kerf_->lastHand(hand));
   EXPECT_GT(hand.pose.translation[2], 0.5) << "pushed up against its spring";
 
-  // The service hangs: Kerf is told of no hand.
+  // The service hangs: the bridge reports no hand to Kerf.
   service_->hang(true);
   EXPECT_TRUE(until([&] { return !pusher_->is_valid; }));
   service_->hang(false);

@@ -40,7 +40,7 @@ CutPath atRest() {
   return out;
 }
 
-// Zero, unless all of it is there.
+// Zero, unless the force is complete.
 Vec3d forceOf(const std::string& text) {
   const auto all = nlohmann::json::parse(text, nullptr, false);
   Vec3d out = Vec3d::Zero();
@@ -163,7 +163,7 @@ HaplySimulator::HaplySimulator(std::unique_ptr<State> state) : state_(std::move(
 HaplySimulator::~HaplySimulator() {
   State& s = *state_;
   s.is_stopping = true;
-  ::shutdown(s.acceptor.native_handle(), SHUT_RDWR);  // accept() comes back
+  ::shutdown(s.acceptor.native_handle(), SHUT_RDWR);  // unblocks accept()
   if (const int socket = s.open_socket; socket >= 0) ::shutdown(socket, SHUT_RDWR);
   if (s.thread.joinable()) s.thread.join();
 }

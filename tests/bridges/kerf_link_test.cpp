@@ -1,4 +1,4 @@
-// Datagrams of a bridge against those of Kerf, and the force that a bridge may give.
+// Datagrams of a bridge against those of Kerf, and the limits of the bridge's force.
 #include "bridges/kerf_link.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ using bridge::Hand;
 using bridge::KerfLink;
 using bridge::Vec3;
 
-// Kerf's socket alone: it says what a test tells it, and no goodbye.
+// Kerf's socket alone: it sends the frames of a test, and no goodbye.
 class BridgeLink : public testing::Test {
  protected:
   void SetUp() override {
@@ -43,7 +43,7 @@ class BridgeLink : public testing::Test {
     const auto bytes = encode(frame);
     EXPECT_GT(::sendto(socket_, bytes.data(), size, 0, reinterpret_cast<const sockaddr*>(&bridge_), sizeof bridge_), 0);
   }
-  // An enabled 1 N upwards, for the hand that is told now.
+  // An enabled 1 N upwards, for the hand of the current frame.
   ForceFrame pushed() {
     ForceFrame out;
     out.number = ++number_;
@@ -78,7 +78,7 @@ TEST_F(BridgeLink, KerfReadsItsHand) {
   EXPECT_NEAR(hand.most_stiffness, 0.8, 1e-6);
 }
 
-// A busy machine may stop this program for longer than a force counts: once of many is enough.
+// A busy machine may stop this program for longer than a force lasts: one success of many is enough.
 TEST_F(BridgeLink, AForceCountsUntilItsDeadline) {
   EXPECT_EQ(link_.force(), kNone);
   bool was_felt = false;

@@ -45,7 +45,7 @@ TEST(WoodyArm, TheTorquesOfAForceAreThoseOfItsWorkAlongEachMotor) {
   }
 }
 
-// A link that stands upright and one that is level: 245 - 220 mm ahead, 80 + 205 - 80 mm up.
+// An upright link and a level link: 245 - 220 mm ahead, 80 + 205 - 80 mm up.
 TEST(WoodyArm, AtHomeItStandsAsItIsBuiltWhicheverWayItsMotorsCount) {
   for (const WoodyModel& model : {WoodyModel{}, kSerialWoody}) {
     const WoodyPose pose = woodyPose(model, model.home);
@@ -117,7 +117,7 @@ class WoodySerial : public testing::Test {
     HandFrame hand;
     return kerf_->lastHand(hand) && hand.is_ready;
   }
-  // The line for a force, where the encoders stand at `counts`, from its home pose.
+  // The line for a force with encoders at `counts` from the home pose.
   static std::string lineFor(const Counts& counts, const Vec3& force) {
     Counts all = kSerialWoody.home;
     for (std::size_t n = 0; n < 3; ++n) all[n] += counts[n];
@@ -142,7 +142,7 @@ TEST_F(WoodySerial, GivesForceOnceItStoodInItsHomePose) {
   EXPECT_FALSE(isReady());
   EXPECT_EQ(said(), "[0,0,0]") << "where it stands is not known";
 
-  // Wherever its encoders began to count: there it is at home.
+  // The start of the encoder counts is the home pose.
   bridge_->pressEnter();
   const std::string at_home = lineFor({}, force);
   EXPECT_TRUE(until([&] { return said() == at_home; })) << said() << " for " << at_home;
@@ -155,7 +155,7 @@ TEST_F(WoodySerial, GivesForceOnceItStoodInItsHomePose) {
   ASSERT_NE(moved, at_home);
   EXPECT_TRUE(until([&] { return said() == moved; })) << said() << " for " << moved;
 
-  // No news of the arm, then none of Kerf.
+  // First the arm falls silent, then Kerf.
   is_silent_ = true;
   EXPECT_LE(pusher.lastTakenAgeMs(), 1000 * ForceArm::kDeadMan);
   EXPECT_TRUE(until([&] { return said() == "[0,0,0]"; }));
@@ -241,7 +241,7 @@ TEST(SerialWriter, ALineThatAFullPortTookInPartIsFinished) {
   ::cfmakeraw(&line);
   ASSERT_EQ(::tcsetattr(near, TCSANOW, &line), 0);
 
-  // Lines of 251 bytes, more than any port keeps; then what it kept, and more lines.
+  // Lines of 251 bytes, more than any port buffers; then the buffered bytes, and more lines.
   bridge::SerialWriter writer(near);
   const std::string text = '[' + std::string(248, '1') + "]\n";
   std::string heard;

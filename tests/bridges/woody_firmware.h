@@ -1,5 +1,4 @@
-// The encoders of a WoodenHaptics arm as its firmware keeps them: they count from anywhere until it is told what they
-// are to say, and from there on afterwards.
+// Model of the encoders in a WoodenHaptics arm's firmware. They count from any value; a command sets them.
 #pragma once
 
 #include <array>
@@ -12,13 +11,13 @@ namespace kerf::test {
 
 class WoodyFirmware {
  public:
-  /// @param node  plugged in.   @param counts  at first.   @param size  of its reports: 14, of a Teensy 64.
+  /// @param node  plugged in.   @param counts  initial value.   @param size  of its reports: 14, of a Teensy 64.
   WoodyFirmware(HidTestbed& bed, int node, const std::array<int, 3>& counts, std::size_t size = 14)
       : state_(std::make_shared<State>()), size_(size) {
     state_->counts = counts;
     bed.listen(node, [state = state_](const Bytes& report) { state->take(report); });
   }
-  /// Bytes of the next one.
+  /// Bytes of the next report.
   Bytes report() const {
     Bytes out(size_);
     const std::lock_guard lock(state_->mutex);
@@ -32,7 +31,7 @@ class WoodyFirmware {
     const std::lock_guard lock(state_->mutex);
     for (std::size_t n = 0; n < 3; ++n) state_->counts[n] += by[n];
   }
-  /// It does not know how to set its encoders.
+  /// Ignores commands that set the encoders.
   void ignoreCalibration(bool is_ignored) {
     const std::lock_guard lock(state_->mutex);
     state_->ignores = is_ignored;
@@ -40,7 +39,7 @@ class WoodyFirmware {
 
  private:
   struct State {
-    // Its number, three currents, the command, what three encoders are set to.
+    // Report number, three currents, the command, set values of three encoders.
     void take(const Bytes& report) {
       const auto word = [&](std::size_t n) {
         return static_cast<std::int16_t>(report[1 + 2 * n] | (report[2 + 2 * n] << 8));

@@ -1,4 +1,4 @@
-// The bridge of WoodenHaptics and an arm on HID that umockdev simulates.
+// The WoodenHaptics bridge with an HID arm simulated by umockdev.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -77,7 +77,7 @@ TEST_F(WoodyHid, OfBothLengthsIsCalibratedThenGetsCurrents) {
   }
 }
 
-// Its encoders count on from where it was switched on: a force by them would point elsewhere.
+// Its encoders continue from the switch-on pose, so a force from them would point elsewhere.
 TEST_F(WoodyHid, OneThatDoesNotTakeItsCalibrationIsGivenNoForce) {
   begin(false, {0, 0, 5900});
   encoders_->ignoreCalibration(true);
@@ -104,7 +104,7 @@ TEST_F(WoodyHid, CalibratingAgainIsNotReadyForLongEnoughToDisarmKerf) {
   EXPECT_GE(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(1500));
 }
 
-// Its last report was near home: old news is no calibration.
+// Its last report was near home. An old report is no calibration.
 TEST_F(WoodyHid, ASilentArmIsNotCalibrated) {
   begin(false, {0, 0, 6000});
   is_silent_ = true;

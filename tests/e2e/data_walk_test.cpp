@@ -1,5 +1,5 @@
-// Every development mesh goes the whole way: bake, cut by a bur and by a saw, export to four formats, read back, judge.
-// What lies farther than two voxels from the cut must come back bit for bit. Runs where the data is (KERF_DATA).
+// Every development mesh passes the full chain: bake, cut by a bur and by a saw, export to four formats, read back,
+// judge. Vertices farther than two voxels from the cut must come back bit for bit. Runs where the data is (KERF_DATA).
 //
 // KERF_TABLE=FILE appends one row per mesh to FILE (docs/results/real-data.md holds such a table).
 #include <fmt/format.h>
@@ -36,11 +36,11 @@ fs::path dataFolder() {
   return given ? fs::path(given) : fs::path(KERF_SOURCE_DIR) / ".." / "shared" / "data";
 }
 
-// The files that are no meshes; all others must pass.
+// Files that are not meshes. All others must pass.
 const std::set<std::string> kRefused = {"points-only-tooth.ply", "cbct-jaws-teeth-labels.nii.gz",
                                         "ct-skull-phantom-128-intensity.nrrd"};
 
-// Every file of the folder but its README; one empty name when there is no folder, so that the test says so.
+// Every file of the folder except its README; one empty name without a folder, so that the test reports it.
 std::vector<std::string> filesOfFolder(bool refused) {
   std::vector<std::string> names;
   std::error_code missing;
@@ -66,8 +66,7 @@ double seconds() { return std::chrono::duration<double>(std::chrono::steady_cloc
 using Place = std::array<double, 3>;
 Place place(const Vec3d& p) { return {p.x(), p.y(), p.z()}; }
 
-// How an object is cut: everything scales with the object, and goes through one of its highest vertices, so that it
-// cuts.
+// Cut of an object. All lengths scale with the object, and the cut passes one of its highest vertices.
 struct Plan {
   Vec3d up, along, across;  // axes
   Vec3d top;                // one vertex in fifty is higher
@@ -90,7 +89,7 @@ Plan planFor(const Mesh& solid, const CloseReport& closing, double diagonal, dou
       plan.along = Vec3d::Unit(k);
     }
   plan.across = plan.up.cross(plan.along);
-  // Not the very highest vertex, which may be the tip of a thorn.
+  // Not the highest vertex, which may be the tip of a thorn.
   std::vector<Vec3d> by_height = solid.vertices;
   const auto high = by_height.begin() + static_cast<std::ptrdiff_t>(by_height.size() * 49 / 50);
   std::nth_element(by_height.begin(), high, by_height.end(), [&](const Vec3d& a, const Vec3d& b) {
@@ -132,7 +131,7 @@ std::string sawTool(double scale) {
       std::max(0.1, 1.41 * scale), std::max(0.05, 0.5 * scale));
 }
 
-// A groove along the box through `top`; lift; a second one aslant, the bur turning through 50 degrees.
+// A groove along the box through `top`; lift; a second one aslant, with the bur turning through 50 degrees.
 std::string burPath(const Plan& plan) {
   const double d = 1.4 * plan.scale;
   const auto pose = [&](double a, double b, double u, double degrees) {
@@ -154,7 +153,7 @@ std::string sawPath(const Plan& plan) {
   return csv({{r, start}, {r, start - (plan.scale + depth) * plan.up}});
 }
 
-// Distance of each vertex to everything a run cut, mm; at or above `far` it may say any such value.
+// Distance of each vertex to all cuts of a run, mm. At or above `far`, any such value is allowed.
 std::vector<double> distanceToCut(const std::vector<Vec3d>& points, const fs::path& tool_file,
                                   const fs::path& path_file, double far) {
   std::vector<double> nearest(points.size(), far);
@@ -173,10 +172,10 @@ std::vector<double> distanceToCut(const std::vector<Vec3d>& points, const fs::pa
 
 struct FarVertices {
   std::size_t count = 0, missing = 0, out_of_order = 0, recoloured = 0;
-  std::size_t faces = 0, faces_recoloured = 0;  // triangles whose corners are all far, and still there as they were
+  std::size_t faces = 0, faces_recoloured = 0;  // triangles with all corners far and unchanged
 };
 
-// The vertices of `solid` at least `far` from the cut, looked up in the export by their exact float32 places.
+// Looks up the vertices of `solid` at least `far` from the cut in the export, by their exact float32 places.
 FarVertices compare(const Mesh& solid, const std::vector<double>& distance, double far, const Mesh& result) {
   FarVertices out;
   std::map<Place, std::uint32_t> where;
@@ -223,7 +222,7 @@ struct Verdicts {
   std::string failures;
 };
 
-// Other people's programs; those that are not installed say SKIP and are not counted.
+// External programs. Missing ones print SKIP and do not count.
 Verdicts askValidators(const fs::path& mesh, bool quick) {
   Verdicts out;
   const std::string command = fmt::format("\"{}/tests/validators/validate\" {} \"{}\" 2>&1", KERF_SOURCE_DIR,
@@ -325,7 +324,7 @@ TEST_P(DataWalk, BakeCutExportReadBack) {
       ASSERT_TRUE(written) << written.error().message();
       auto back = readMesh(file);
       ASSERT_TRUE(back) << back.error().message();
-      // Text comes back as the double nearest to the digits.
+      // Text reads back as the double nearest to the digits.
       for (Vec3d& p : back->mesh.vertices) p = roundedToFloat(p);
       const MeshReport check = checkMesh(back->mesh);
       EXPECT_TRUE(check.print_ready) << describe(check);
@@ -335,7 +334,7 @@ TEST_P(DataWalk, BakeCutExportReadBack) {
       EXPECT_EQ(all.missing, 0u) << "of " << all.count << "; pieces " << r.pieces << ", crumbs " << r.crumbs_dropped;
       EXPECT_EQ(all.recoloured, 0u);
       EXPECT_EQ(all.faces_recoloured, 0u);
-      // STL has no vertices, only corners: the order that comes back is that of the triangles.
+      // STL has corners instead of vertices, so the vertex order on reading is that of the triangles.
       const bool has_vertices = back->unwelded_vertices == 0;
       EXPECT_TRUE(!has_vertices || all.out_of_order == 0);
       if (std::string(extension) == ".ply") {
@@ -350,7 +349,7 @@ TEST_P(DataWalk, BakeCutExportReadBack) {
           }
       }
     }
-    // OpenSCAD takes most of the time: one run of each mesh, and none of the large ones, unless asked for.
+    // OpenSCAD takes most of the time. By default it checks one run of each mesh, and no large mesh.
     const bool quick = !std::getenv("KERF_OPENSCAD") && (run == 1 || exported_triangles[run] >= 50'000);
     const Verdicts v = askValidators(folder.path() / (run ? "saw.stl" : "bur.stl"), quick);
     EXPECT_EQ(v.failed, 0) << v.failures;
@@ -381,7 +380,7 @@ TEST_P(DataWalk, BakeCutExportReadBack) {
 
 INSTANTIATE_TEST_SUITE_P(Files, DataWalk, testing::ValuesIn(filesOfFolder(false)), testName);
 
-// Enamel, dentin and pulp of a real molar, put together by a recipe, drilled with 1 N against resistance.
+// A recipe combines enamel, dentin and pulp of a real molar. A hand drills it with 1 N against resistance.
 TEST(DataWalk, AMolarOfThreeTissuesIsDrilledAgainstResistance) {
   const fs::path enamel = dataFolder() / "molar-L6-enamel.stl";
   if (!fs::exists(enamel)) GTEST_SKIP() << "no data at " << dataFolder();
@@ -434,7 +433,7 @@ TEST(DataWalk, AMolarOfThreeTissuesIsDrilledAgainstResistance) {
   EXPECT_NEAR(exported->post_op.report.removed_volume_mm3, s.removed_mm3, 0.03 * s.removed_mm3);
 }
 
-// A block of a real mandible, compact and spongy bone: a saw goes 6 mm in from above, across the block.
+// A block of a real mandible, compact and spongy bone. A saw cuts 6 mm deep from above, across the block.
 TEST(DataWalk, ABlockOfAMandibleIsSawnAgainstResistance) {
   if (!fs::exists(dataFolder() / "mandible-block-L4-L6-cortical.stl")) GTEST_SKIP() << "no data at " << dataFolder();
   TemporaryFolder scratch;
@@ -453,7 +452,7 @@ TEST(DataWalk, ABlockOfAMandibleIsSawnAgainstResistance) {
   const auto solid = readCaseSolid(scratch.path() / "block.case");
   ASSERT_TRUE(solid);
   const Box3 box = bounds(*solid);
-  // Tool z along the shorter horizontal side, tool x up: the teeth look down.
+  // Tool z along the shorter horizontal side, tool x up: the teeth point down.
   const bool along_x = box.size()[0] < box.size()[1];
   const Vec3d axis = along_x ? Vec3d(Vec3d::UnitX()) : Vec3d(Vec3d::UnitY());
   Vec3d top = solid->vertices.front();
@@ -487,8 +486,8 @@ TEST(DataWalk, ABlockOfAMandibleIsSawnAgainstResistance) {
              s.mean_contact_force, s.peak_contact_force, s.pieces);
 }
 
-// From behind the last molar down to the angle, right through: the ramus comes off. At 6 mm/s the drive would stall in
-// the compact bone, and the blade be led on without cutting.
+// From behind the last molar down to the angle, right through: the ramus separates. At 6 mm/s the drive would stall in
+// the compact bone, and the path would move the blade without cutting.
 TEST(DataWalk, AWholeMandibleIsSawnThroughAtTheAngle) {
   const fs::path jaw = dataFolder() / "mandible-with-teeth-closed.obj";
   if (!fs::exists(jaw)) GTEST_SKIP() << "no data at " << dataFolder();
@@ -518,7 +517,7 @@ TEST(DataWalk, AWholeMandibleIsSawnThroughAtTheAngle) {
   const PostOpMesh& result = exported->post_op;
   EXPECT_EQ(result.report.pieces, 2u);
   EXPECT_NEAR(result.report.removed_volume_mm3, s.removed_mm3, 0.05 * s.removed_mm3);
-  // Both are large: a jaw, and a ramus.
+  // Both pieces are large: a jaw and a ramus.
   const Pieces pieces = edgeConnectedPieces(result.mesh);
   std::vector<double> volume(pieces.count, 0);
   for (std::size_t t = 0; t < result.mesh.triangles.size(); ++t)
@@ -532,8 +531,8 @@ TEST(DataWalk, AWholeMandibleIsSawnThroughAtTheAngle) {
              s.seconds, s.mean_contact_force, volume[1], volume[0]);
 }
 
-// Two scanned crowns 0.25 mm apart: a taper that goes between them half a millimetre too far takes some of both. What
-// the run says of the distance is held against that of the tool's shape to the vertices of the scan.
+// Two scanned crowns 0.25 mm apart. A taper that goes between them half a millimetre too far cuts both. Compares the
+// run's distance with the distance of the tool's shape to the vertices of the scan.
 TEST(DataWalk, ATaperBetweenTwoCrownsIsMeasuredAgainstTheNeighbourItNicks) {
   const fs::path file = dataFolder() / "lower-crowns-16-closed.obj";
   if (!fs::exists(file)) GTEST_SKIP() << "no data at " << dataFolder();
@@ -572,7 +571,7 @@ TEST(DataWalk, ATaperBetweenTwoCrownsIsMeasuredAgainstTheNeighbourItNicks) {
   const auto tool_file = findToolFile("856-016", defaultToolFolders());
   ASSERT_TRUE(tool_file);
   HapticCutOptions hand;
-  hand.drive = "electric";  // a turbine does not get through at this feed
+  hand.drive = "electric";  // a turbine stalls at this feed
   hand.beside = {scratch.path() / "molar.case"};
   const fs::path run = scratch.path() / "between.run";
   const auto cut = cutCaseByHand(scratch.path() / "premolar.case", *tool_file, path, run, hand);
@@ -606,7 +605,7 @@ TEST(DataWalk, ATaperBetweenTwoCrownsIsMeasuredAgainstTheNeighbourItNicks) {
     const Rigid3 T_tool_world = Rigid3{up, Vec3d(cells[1], cells[2], cells[3])}.inverse();
     double exact = 1e9;
     for (const Vec3d& v : crowns["molar"].vertices) exact = std::min(exact, tool->cut->distance(T_tool_world * v));
-    if (exact < 0.1 || exact > 4.8) continue;  // in it: the scan's vertices say nothing of how deep
+    if (exact < 0.1 || exact > 4.8) continue;  // inside it: the scan's vertices do not give the depth
     worst = std::max(worst, std::abs(cells[distance_column] - exact));
     ++compared;
   }

@@ -1,4 +1,4 @@
-// Reports of arms on HID, with their lengths before them, for each driver.
+// Reports of HID arms with length prefixes, for each driver.
 #include "sim/device/device_driver.h"
 #include "sim/device/raw_arm.h"
 #include "tests/fuzz/harness.h"

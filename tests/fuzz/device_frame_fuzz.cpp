@@ -1,4 +1,4 @@
-// Datagrams of a bridge, and those to it.
+// Datagrams from and to a bridge.
 #include "sim/device/device_frame.h"
 #include "tests/fuzz/harness.h"
 

@@ -1,4 +1,4 @@
-// Reports of devices: a number of reports with their lengths before them, for each driver of a device with axes.
+// Device reports with length prefixes, for each driver of a device with axes.
 #include <cmath>
 
 #include "sim/device/device_driver.h"

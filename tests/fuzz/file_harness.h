@@ -1,4 +1,5 @@
-// Harness of the readers that want a file: the bytes go into one of a given name, in memory where the system allows.
+// Harness of the readers that need a file: writes the bytes to a file of a given name, in memory where the system
+// allows it.
 #pragma once
 
 #include <fcntl.h>
@@ -42,7 +43,7 @@ class ScratchFile {
   std::filesystem::path folder_, path_;
 };
 
-/// What every error about a text file must hold.
+/// Required parts of every error about a text file.
 inline void requireError(const Error& error) {
   require(!error.file.empty() && !error.found.empty(), "an error says where and what");
 }

@@ -1,4 +1,4 @@
-// What Haply's service says: states one after the other, split by zero bytes.
+// States of Haply's service in sequence, separated by zero bytes.
 #include "bridges/haply_state.h"
 #include "tests/fuzz/harness.h"
 

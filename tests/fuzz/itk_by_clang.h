@@ -1,5 +1,5 @@
-// Included before everything else where clang compiles a source that uses ITK. Debian builds ITK with GCC, and its
-// headers then refuse any other compiler; for the one header that looks, clang is GCC here.
+// Included first where clang compiles a source that uses ITK. Debian builds ITK with GCC, and its headers reject any
+// other compiler. For the one header with this check, clang poses as GCC.
 #pragma once
 
 #undef __clang__

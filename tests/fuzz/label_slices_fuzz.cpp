@@ -1,5 +1,5 @@
-// Folders of slices: DICOM and pictures. The first byte says which, and with what the reader is helped. The library
-// that reads them crashes on some files: the reader tries them in a process of its own first, which is what is tested.
+// Folders of slices: DICOM and pictures. The first byte selects the format and the options of the reader. The library
+// crashes on some files. The reader first tries them in a separate process, which this harness tests.
 #include "tests/fuzz/volume_harness.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

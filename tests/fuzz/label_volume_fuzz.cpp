@@ -1,4 +1,4 @@
-// Volumes in one file. The first byte says which format, and with what the reader is helped.
+// Volumes in one file. The first byte selects the format and the options of the reader.
 #include "tests/fuzz/volume_harness.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

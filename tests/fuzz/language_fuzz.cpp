@@ -6,7 +6,7 @@
 #include "tests/fuzz/file_harness.h"
 #include "ui/app/language.h"
 
-// The bytes are a language's file; what is read of it answers the bytes themselves, cut into lines.
+// The bytes are a language file. Looks up the lines of the same bytes in the result.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace kerf;
   static const fuzz::ScratchFile file("language.po");

@@ -1,4 +1,4 @@
-// Harness of the mesh readers: bytes in memory, exactly as many as there are, so that reading past the end is seen.
+// Harness of the mesh readers. The buffer has exactly the size of the input, so reads past its end are detected.
 #pragma once
 
 #include <algorithm>
@@ -27,10 +27,10 @@ inline void requireError(const Error& error) {
   require(error.message().size() < 4096, "an error can be read");
 }
 
-/// As readMesh() does it: the reader is asked to recognise the content, and may be made to read what it does not.
+/// Follows readMesh(): calls the reader's content check, and may run the reader on rejected content.
 /// @param extension  of the format in the table: ".off".
 inline void readMeshBytes(const char* extension, const std::uint8_t* data, std::size_t size) {
-  if (size == 0) return;  // refused before any reader sees it
+  if (size == 0) return;  // refused before any reader runs
   const MeshFormatRow& format = *formatOfExtension(extension);
   internal::MeshSource source;
   source.file = std::string("input") + extension;

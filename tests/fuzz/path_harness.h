@@ -1,4 +1,4 @@
-// Harness of the two kinds of path files.
+// Harness of both kinds of path files.
 #pragma once
 
 #include <cmath>

@@ -6,7 +6,7 @@
 #include "sim/session/session_format.h"
 #include "tests/fuzz/harness.h"
 
-// Any text is a command, which prints to the text it is read back from, or is refused with a reason.
+// Any text is either a command that survives printing and parsing, or an error with a reason.
 static void requireCommand(const std::string& text) {
   using namespace kerf;
   const Expected<Command> command = parseCommand(text);
@@ -49,8 +49,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   return 0;
 }
 
-// Of all mutations next to none keeps a checksum right; half of the inputs get theirs put right, so that what lies
-// behind them is reached.
+// Mutations hardly ever keep a checksum valid. Half of the inputs get valid checksums, so that the code behind the
+// check runs.
 extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t most) __attribute__((weak));
 extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t most, unsigned seed);
 

@@ -1,4 +1,4 @@
-// The package: any bytes as a zip archive. Its checksums keep most mutations from the XML; three_mf_model does that.
+// The package: any bytes as a zip archive. Its checksums keep most mutations from the XML, which three_mf_model covers.
 #include "tests/fuzz/mesh_harness.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

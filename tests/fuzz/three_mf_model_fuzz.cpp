@@ -1,5 +1,5 @@
-// The XML in a 3MF file, packed anew every time. What follows a zero byte is a second model part, "/3D/other.model".
-// What was read is written and read again: the same mesh, rounded to float32.
+// The XML in a 3MF file, packed for each input. The bytes after a zero byte are a second model part, "/3D/other.model".
+// The harness writes the mesh and reads it again: it must be the same, rounded to float32.
 #include <cmath>
 #include <sstream>
 #include <string>

@@ -1,4 +1,4 @@
-// The grids of a .vdb file: fields, materials and what `kerf info` says of them.
+// The grids of a .vdb file: fields, materials and the text of `kerf info` about them.
 #include <cmath>
 
 #include "geometry/field/material_bricks.h"
@@ -19,7 +19,7 @@ void readField(const std::filesystem::path& file, const char* name) {
     for (const float value : field->brick(b)) fuzz::require(std::isfinite(value), "finite distances");
 }
 
-// Of a run: the materials of what was added to a case.
+// Materials added by a run to a case.
 void readBricks(const std::filesystem::path& file, const Expected<MaterialField>& in_case) {
   const Expected<MaterialBricks> bricks = readMaterialBricks(file);
   if (!bricks) return fuzz::requireError(bricks.error());

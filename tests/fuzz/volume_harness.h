@@ -1,4 +1,4 @@
-// What every label volume must be, whatever it was read from.
+// Promises of every label volume, independent of its source.
 #pragma once
 
 #include <optional>
@@ -6,7 +6,7 @@
 #include "preprocess/volume/label_volume.h"
 #include "tests/fuzz/file_harness.h"
 
-/// What ITK and the libraries under it lose on broken files, some bytes each, is theirs.
+/// Suppresses leaks of ITK and its libraries on broken files, some bytes each.
 extern "C" __attribute__((used)) const char*
 __lsan_default_suppressions() {  // NOLINT: the name the sanitizer looks for
   return "leak:libITK\nleak:libgdcm\nleak:libniftiio\nleak:libtiff\nleak:libpng\n";
@@ -14,7 +14,7 @@ __lsan_default_suppressions() {  // NOLINT: the name the sanitizer looks for
 
 namespace kerf::fuzz {
 
-/// @param flavour  0: as the file is; 1: with a spacing; 2: with a threshold too.
+/// @param flavour  0: no options; 1: with a spacing; 2: with a threshold too.
 inline void readVolume(const std::filesystem::path& path, unsigned flavour) {
   LabelReadOptions options;
   options.max_bytes = 64 << 20;

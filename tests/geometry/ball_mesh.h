@@ -8,7 +8,7 @@
 
 namespace kerf {
 
-/// Latitude-longitude ball with float32 coordinates, outward (or inward: a void's wall).
+/// Latitude-longitude ball with float32 coordinates, facing outward (or inward: the wall of a void).
 inline Mesh ballMesh(const Vec3d& center, double radius, int rings, bool inward = false) {
   Mesh m;
   const int around = 2 * rings;

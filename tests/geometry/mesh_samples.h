@@ -1,4 +1,4 @@
-// Small files in every format, built byte by byte: independent of Kerf's own writers.
+// Small files in every format, built byte by byte, independent of Kerf's own writers.
 #pragma once
 
 #include <bit>

@@ -1,4 +1,4 @@
-// Test helpers: fields sampled from formulas, and what every extracted surface must be.
+// Test helpers: fields sampled from formulas, and the checks of every extracted surface.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// How thin a base is: its section, and the places that a disc does not reach into.
+// Thickness of a base: its section, and the places out of reach of a disc.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace kerf {
 
-/// A section of a solid square to its base, `above` mm over it, as squares of 0.05 mm.
+/// A section of a solid parallel to its base, `above` mm over it, as squares of 0.05 mm.
 class BaseSection {
  public:
   BaseSection(const Solid& s, double above) {
@@ -35,7 +35,7 @@ class BaseSection {
       for (const Eigen::Vector2d& p : ends) box.add({p.x(), p.y(), 0});
     }
 
-    // Its inside, row by row.
+    // The inside, row by row.
     constexpr int kBorder = 10;
     low_ = box.min.head<2>() - Eigen::Vector2d::Constant(kBorder * kSquare);
     columns_ = static_cast<int>(box.size().x() / kSquare) + 2 * kBorder;
@@ -55,7 +55,7 @@ class BaseSection {
     }
   }
 
-  /// Places that a disc of the width does not reach into, larger than 0.02 mm2: a corner leaves less.
+  /// Number of places out of reach of a disc of that width and larger than 0.02 mm2. A corner leaves less.
   int thinPlaces(double width) const {
     std::vector<std::array<int, 2>> disc;
     const int reach = static_cast<int>(width / 2 / kSquare);
@@ -82,7 +82,7 @@ class BaseSection {
   static constexpr double kSquare = 0.05;
   std::size_t at(int column, int row) const { return static_cast<std::size_t>(row * columns_ + column); }
 
-  /// Squares connected with this one that are inside and not seen yet; now they are.
+  /// Visits all inside squares connected with this one.
   int sizeOfPlace(int column, int row, std::vector<char>& seen) const {
     std::vector<std::array<int, 2>> stack{{column, row}};
     int size = 0;

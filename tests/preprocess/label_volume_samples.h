@@ -1,4 +1,4 @@
-// Test helper: small label volumes as files, their headers written by hand.
+// Test helper: small label volumes as files with hand-written headers.
 #pragma once
 
 #include <zlib.h>
@@ -34,7 +34,7 @@ void put(std::string& bytes, std::size_t at, T value) {
   std::memcpy(bytes.data() + at, &value, sizeof(T));
 }
 
-/// NIfTI-1, one file, uint8, with an sform: RAS, so that x and y turn around on the way to LPS.
+/// NIfTI-1, one file, uint8, with an sform: RAS, so that x and y change sign on the way to LPS.
 inline std::string nifti(const std::string& values, float spacing_x = 0.5f) {
   std::string h(352, '\0');
   put<std::int32_t>(h, 0, 348);
@@ -57,7 +57,7 @@ inline std::string nifti(const std::string& values, float spacing_x = 0.5f) {
 
 enum class Stream { kZlib, kGzip };
 
-/// Compressed, with header and checksum.
+/// Compresses with header and checksum.
 inline std::string compressed(const std::string& bytes, Stream kind) {
   z_stream z{};
   if (deflateInit2(&z, 9, Z_DEFLATED, kind == Stream::kGzip ? 31 : 15, 8, Z_DEFAULT_STRATEGY) != Z_OK) return {};

@@ -1,4 +1,4 @@
-// Rays against a mesh, tried on every triangle: for measuring the demo anatomy.
+// Rays against a mesh, tested on every triangle: for measurements of the demo anatomy.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 namespace kerf {
 
-/// Distances along the ray from `from` in the (unit) direction at which it meets the mesh, ascending, mm.
+/// Distances of the hits on the mesh along the ray from `from` in the (unit) direction, ascending, mm.
 inline std::vector<double> rayCrossings(const Mesh& mesh, const Vec3d& from, const Vec3d& direction) {
   std::vector<double> hits;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -34,7 +34,7 @@ inline double distanceToVertices(const Mesh& mesh, const Vec3d& p) {
   return std::sqrt(nearest);
 }
 
-/// What lies between the planes `low` <= p[axis] <= `high`.
+/// Bounds of the part between the planes `low` <= p[axis] <= `high`.
 inline Box3 boundsBetween(const Mesh& mesh, int axis, double low, double high) {
   Box3 box;
   for (const Vec3d& p : mesh.vertices)

@@ -1,4 +1,4 @@
-// Shapes to close, and what every solid has to be.
+// Shapes to close, and the checks of every solid.
 #pragma once
 
 #include <fmt/format.h>
@@ -58,7 +58,7 @@ inline Mesh both(Mesh a, const Mesh& b) {
   return a;
 }
 
-/// Closed, 2-manifold at edges and vertices, not crossing itself, float32, no two vertices at one place.
+/// Closed, 2-manifold at edges and vertices, without self-intersection, float32, no two vertices at one place.
 inline void expectSolid(const Solid& s) {
   const Mesh& m = s.mesh;
   ASSERT_EQ(s.source_triangle.size(), m.triangles.size());
@@ -94,7 +94,7 @@ inline void expectSolid(const Solid& s) {
   EXPECT_GT(signedVolume(m), 0);
 }
 
-/// The first vertices of the solid are those of `m`, bit for bit.
+/// The first vertices of the solid equal those of `m`, bit for bit.
 inline void expectSourceFirst(const Solid& s, const Mesh& m) {
   ASSERT_GE(s.mesh.vertices.size(), m.vertices.size());
   for (std::size_t v = 0; v < m.vertices.size(); ++v) ASSERT_EQ(s.mesh.vertices[v], m.vertices[v]);

@@ -1,4 +1,4 @@
-// The scenes of bench/scenes with known answers, for tests: what can not be made fails the test.
+// The scenes of bench/scenes for tests. A scene that cannot be made fails the test.
 #pragma once
 
 #include <gtest/gtest.h>

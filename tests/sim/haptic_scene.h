@@ -1,4 +1,4 @@
-// A haptic thread as a test machine can have it, its device watched for allocations, and ways to wait for it.
+// A haptic thread for test machines, a device that detects allocations, and functions that wait for the thread.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 
 namespace kerf::test {
 
-// Neither a priority that starves the others nor memory it has not got; and it may be too busy to run a thread for a
+// Without a priority that starves others and without locked memory. The machine may be too busy to run a thread for a
 // while.
 inline HapticOptions ordinaryHaptics() {
   HapticOptions options;
@@ -22,7 +22,7 @@ inline HapticOptions ordinaryHaptics() {
   return options;
 }
 
-// Under an AllocationGuard from the first tick to the last: what a tick allocates ends the test.
+// Under an AllocationGuard from the first tick to the last: an allocation in a tick ends the test.
 class GuardedDevice : public DeviceSource {
  public:
   explicit GuardedDevice(DeviceSource* inner = nullptr) : inner_(inner) {}
@@ -54,7 +54,7 @@ class GuardedDevice : public DeviceSource {
   std::optional<AllocationGuard> guard_;
 };
 
-// Waits for what the haptic thread will report within a minute, on any machine.
+// Waits up to a minute for a report of the haptic thread.
 inline bool becomes(HapticThread& haptic, const std::function<bool(const HapticReport&)>& holds) {
   for (int n = 0; n < 60'000; ++n) {
     haptic.update();

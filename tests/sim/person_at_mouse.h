@@ -1,4 +1,4 @@
-// A person at the mouse, drilling in blocks: for tests of sessions on the live threads.
+// A person at the mouse who drills in blocks, for session tests on the live threads.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -56,7 +56,7 @@ class Mouse {
     const auto started = run.start(hand_);
     EXPECT_TRUE(started) << started.error().message();
   }
-  // Presses until something was removed, or the depth is reached.
+  // Presses until a removal, or until the depth is reached.
   void drill(const Vec3d& at, double seconds, double force = 1.5) {
     ++aim_.stroke;
     aim_.is_pressed = true;
@@ -74,7 +74,7 @@ class Mouse {
     EXPECT_TRUE(run_.send(command));
     waitFor(0.05);
   }
-  // Until all that was cut so far is meshed, on any machine: a copy of the scene is as old as its meshers.
+  // Waits until all cuts are meshed. A copy of the scene is as old as its meshers.
   void awaitMeshers() {
     EXPECT_TRUE(becomes(run_.thread(), [&](const HapticReport& r) {
       return r.counts.edits_waiting == 0 && run_.editsDone() >= r.counts.edits_pushed;

@@ -1,4 +1,4 @@
-// A session for tests: every tick has a sample of its own, so that what is read can be told from the tick alone.
+// A session for tests. Every tick has a unique sample, so that a tick alone determines the expected value.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -36,7 +36,7 @@ inline StateCheck checkOf(std::uint64_t tick) {
   return {0x9e3779b97f4a7c15u * (tick + 1), {Vec3d(x, -0.0, 2), Vec3d(std::nan("7"), 1 / (x + 3), 5)}};
 }
 
-// Bits, not values: NaN is equal to itself here, and -0 is not 0.
+// Bits, not values: NaN equals itself here, and -0 differs from 0.
 template <class T>
 std::array<std::byte, sizeof(T)> bitsOf(const T& value) {
   std::array<std::byte, sizeof(T)> bits;
@@ -47,7 +47,7 @@ inline bool sameBits(double a, double b) { return bitsOf(a) == bitsOf(b); }
 inline bool sameBits(const Vec3d& a, const Vec3d& b) {
   return sameBits(a[0], b[0]) && sameBits(a[1], b[1]) && sameBits(a[2], b[2]);
 }
-/// Field by field and apart from the packing under test.
+/// Field by field and independent of the packing under test.
 inline bool sameBits(const DeviceSample& a, const DeviceSample& b) {
   const Eigen::Quaterniond &p = a.T_world_device.rotation, &q = b.T_world_device.rotation;
   return sameBits(p.w(), q.w()) && sameBits(Vec3d(p.vec()), Vec3d(q.vec())) &&
@@ -68,7 +68,7 @@ inline bool sameEvent(const SessionEvent& a, const SessionEvent& b) {
   return x.size == y.size && x.packed == y.packed;
 }
 
-/// Whether `part` is how `whole` begins: what must be true of everything read from a damaged log.
+/// Whether `part` is a prefix of `whole`: required of every read of a damaged log.
 inline bool isBeginning(const SessionLog& part, const SessionLog& whole) {
   if (part.header != whole.header || part.samples.size() > whole.samples.size() ||
       part.events.size() > whole.events.size())

@@ -34,7 +34,7 @@ void release(void* p) noexcept {
 
 }  // namespace
 
-// The forms for arrays call these. Those that do not throw would, too, were it not for AddressSanitizer's own.
+// The array forms call these. The nothrow forms would too, except for AddressSanitizer's own.
 void* operator new(std::size_t size) { return allocate(size, 1); }
 void* operator new(std::size_t size, std::align_val_t alignment) {
   return allocate(size, static_cast<std::size_t>(alignment));

@@ -1,6 +1,6 @@
 // Proves that a piece of code neither allocates nor frees: while an AllocationGuard lives, operator new and delete of
 // this thread end the program with a message. Link tests/support/allocation_guard.cpp, which replaces the operators;
-// only the test programs that use it do. malloc() called by name is not seen.
+// only its test programs do. A direct malloc() is not detected.
 #pragma once
 
 namespace kerf {

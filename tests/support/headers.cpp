@@ -1,1 +1,1 @@
-// Nothing: the source of the target whose precompiled header all test programs use.
+// Empty: the source of the target that builds the precompiled header of all test programs.

@@ -20,7 +20,7 @@
 namespace kerf {
 namespace {
 
-// One application collection of that usage; hidapi asks for no more.
+// One application collection of that usage, sufficient for hidapi.
 Bytes descriptorOf(int page, int usage) {
   const auto low = [](int n) { return static_cast<std::uint8_t>(n & 255); };
   const auto high = [](int n) { return static_cast<std::uint8_t>(n >> 8); };
@@ -42,8 +42,7 @@ void check(bool holds, const char* what) {
 
 }  // namespace
 
-// A node is a pseudo-terminal: a byte that waits in it makes poll() say that there is something to read. What is read
-// comes from the queue.
+// A node is a pseudo-terminal. A byte in it makes poll() report data; the data itself comes from the queue.
 struct Node {
   UMockdevIoctlBase* handler = nullptr;
   Bytes descriptor;
@@ -57,7 +56,7 @@ struct Node {
   std::vector<UMockdevIoctlClient*> held;
   std::function<void(const Bytes&)> heard;  // guarded by mutex
 
-  // While who calls it holds the mutex.
+  // The caller holds the mutex.
   void letWritesGo();
   void wake() const {
     const char token = 1;
@@ -112,8 +111,8 @@ gboolean onRead(UMockdevIoctlBase*, UMockdevIoctlClient* client, gpointer user) 
   Node& node = *static_cast<Node*>(user);
   gint error = 0;
 
-  // Takes the waiting bytes, all of them: there is never more than one. The lock: or the byte of a report that comes
-  // meanwhile is taken with it.
+  // Takes all waiting bytes; there is never more than one. The lock prevents that it also takes the byte of a new
+  // report.
   const std::lock_guard lock(node.mutex);
   umockdev_ioctl_client_execute(client, &error, nullptr);
   if (node.is_gone) {
@@ -132,7 +131,7 @@ gboolean onRead(UMockdevIoctlBase*, UMockdevIoctlClient* client, gpointer user) 
   return TRUE;
 }
 
-// While it holds the node's mutex.
+// The caller holds the node's mutex.
 void takeWrite(Node& node, UMockdevIoctlClient* client) {
   const UMockdevIoctlData* const data = umockdev_ioctl_client_get_arg(client);
   const Bytes report(data->data, data->data + data->data_len);

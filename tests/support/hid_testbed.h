@@ -1,5 +1,5 @@
-// HID devices that are not there: nodes and sysfs by umockdev, under the unmodified hidapi of the system. The program
-// has to run with umockdev's library preloaded; isThere() tells.
+// Simulated HID devices: nodes and sysfs by umockdev, under the unmodified hidapi of the system. The program must run
+// with umockdev's library preloaded; isThere() checks this.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ struct SimulatedHid {
   std::string maker = "3Dconnexion", name = "SpaceNavigator", serial = {};
   /// Usage of each interface, page and usage: one node each.
   std::vector<std::pair<int, int>> interfaces = {{1, 8}};
-  int port = 1;  ///< of the USB hub: no two may share one
+  int port = 1;  ///< of the USB hub, unique
   int first_node = 0;
 };
 
@@ -32,26 +32,26 @@ class HidTestbed {
   void plugIn(const SimulatedHid& what);
   /// Reads and writes fail, then the nodes are gone.
   void unplug(const SimulatedHid& what);
-  /// A report the device sends. The system keeps them in order, each by itself.
+  /// A report from the device. The system keeps reports in order, separately.
   void send(int node, const Bytes& report);
-  /// The same of a device that never stops: where 64 wait it is lost, as in the system.
+  /// A report from a device that never stops: discarded if 64 wait, as in the system.
   void stream(int node, const Bytes& report);
-  /// What was written to the node so far.
+  /// All data written to the node so far.
   std::vector<Bytes> written(int node) const;
   static std::string path(int node) { return "/dev/hidraw" + std::to_string(node); }
   Bytes lastWritten(int node) const;  ///< empty: nothing
   void forgetWritten(int node);
-  /// Writes to the node from now on take until it is called with false: only then they are written, in their order.
+  /// Holds back writes to the node until it is called with false. Then they are written in order.
   void holdWrites(int node, bool are_held);
-  /// Writes that are being held.
+  /// Number of writes held back.
   std::size_t heldWrites(int node) const;
-  /// What was written since it was asked last; written() and lastWritten() know nothing of it any more.
+  /// Data written since the last call, which removes it from written() and lastWritten().
   std::vector<Bytes> takeWritten(int node);
-  /// Who is not the owner of its files may list devices, as on a real system.
+  /// Other users than the owner of its files may list devices, as on a real system.
   void letOthersLook();
-  /// Told of each report that was taken, by a thread of the testbed.
+  /// Called for each accepted report, on a thread of the testbed.
   void listen(int node, std::function<void(const Bytes&)> heard);
-  /// Where its files are in truth: to take a permission away.
+  /// Real place of its files, for tests that remove a permission.
   std::string realPath(int node) const;
 
  private:

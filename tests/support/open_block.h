@@ -1,11 +1,11 @@
-// A block as a mesh, with or without its underside: what scans lack.
+// A block as a mesh, with or without its underside, which scans lack.
 #pragma once
 
 #include "geometry/mesh/mesh.h"
 
 namespace kerf::test {
 
-/// Its top at z = 0; 6 x 4 x 3 mm unless told.
+/// Its top at z = 0. Default size: 6 x 4 x 3 mm.
 inline Mesh blockMesh(bool has_underside, const Vec3d& size = {6, 4, 3}) {
   Mesh block;
   for (int n = 0; n < 8; ++n)

@@ -1,5 +1,5 @@
-// Runs a subset of many similar cases. KERF_SLICE is the number of the subset (default 0) or `all`. CI takes the number
-// of the day, so a week of CI runs covers all of them.
+// Runs a subset of many similar cases. KERF_SLICE is the number of the subset (default 0) or `all`. CI uses the day
+// number, so a week of CI runs covers all of them.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@ namespace kerf::test {
 
 class Slice {
  public:
-  /// @param parts  1 to 7. A number that shares no factor with the cases of a row, so that each kind is in each part.
+  /// @param parts  1 to 7, coprime to the cases of a row, so that each kind is in each part.
   explicit Slice(unsigned parts) : parts_(parts) {
     const char* const wanted = std::getenv("KERF_SLICE");
     if (!wanted) return;
@@ -23,9 +23,9 @@ class Slice {
     next_ = static_cast<unsigned>(std::strtoul(wanted, &end, 10));
     EXPECT_TRUE(end != wanted && *end == 0) << "KERF_SLICE=" << wanted << "; expected a number or \"all\"";
   }
-  /// Of the next case: whether it is run.
+  /// Whether the next case runs.
   bool has() { return next_++ % parts_ == 0; }
-  /// Of a case that has a name and a test of its own.
+  /// Whether a case with its own name and test runs.
   bool has(std::string_view name) const {
     unsigned sum = next_;
     for (const char c : name) sum += static_cast<unsigned char>(c);
@@ -36,7 +36,7 @@ class Slice {
   unsigned parts_, next_ = 0;
 };
 
-/// Skips a test whose name is not in today's slice.
+/// Skips a test outside today's slice.
 #define KERF_SLICE_OF(parts, name) \
   if (!::kerf::test::Slice(parts).has(name)) GTEST_SKIP() << "in another slice (KERF_SLICE=all runs all)"
 

@@ -1,4 +1,4 @@
-// Test helper: a file with a given name and content, in a folder of its own that goes with it.
+// Test helper: a file with a given name and content, in its own folder, deleted with it.
 #pragma once
 
 #include <unistd.h>

@@ -1,4 +1,4 @@
-// A folder that lives as long as a test.
+// A folder with the lifetime of a test.
 #pragma once
 
 #include <unistd.h>

@@ -1,5 +1,5 @@
 // The window's force-feedback arm, without a window: a simulated arm behind a bridge leads the workbench's tool,
-// through datagrams, mailboxes and the haptic thread. How long a force goes on goes by the stamps of frames.
+// through datagrams, mailboxes and the haptic thread. Frame stamps measure the duration of a force.
 #include "ui/app/arm_lead.h"
 
 #include <gtest/gtest.h>
@@ -30,8 +30,8 @@ namespace fs = std::filesystem;
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-// Kerf's 20 ms, the arm's next tick, and a frame's way: Kerf's thread is put aside between clock and socket, now and
-// then.
+// Kerf's 20 ms, the arm's next tick, and the transit of a frame. The system may suspend Kerf's thread between clock and
+// socket.
 constexpr double kForcelessMs = 20 + 2;
 
 CutPath way(const std::vector<std::pair<double, Vec3d>>& points) {
@@ -65,13 +65,13 @@ class ArmLeadTest : public testing::Test {
     }
     return holds();
   }
-  /// How long it gave force after `since`, by the stamps of frames, ms.
+  /// Duration of its force after `since`, by frame stamps, ms.
   double forceAfterMs(const ArmSimulator& arm, std::int64_t since) {
     EXPECT_TRUE(until([&] { return !arm.report().is_enabled; }));
     return 1e-6 * static_cast<double>(arm.report().stopped_ns - since);
   }
   std::uint16_t port() { return static_cast<BridgeDevice*>(bench_->arm().arm())->port(); }
-  // From 1.5 mm over the block down into it, and there round and round.
+  // From 1.5 mm over the block down into it, then in circles.
   static CutPath presses() {
     std::vector<std::pair<double, Vec3d>> points{{0, {0, 0, 0}}, {2, {0, 0, 0}}, {3, {0, 0, -6}}};
     for (int n = 1; n < 300; ++n)
@@ -174,12 +174,12 @@ TEST_F(ArmLeadTest, AKilledArmMidCutLosesNothingAndTheMouseGoesOn) {
   EXPECT_NE(notices().find("is gone: no force"), std::string::npos) << notices();
   EXPECT_GE(bench_->removedMm3(), removed);
 
-  // The mouse goes on where the arm was.
+  // The mouse continues from the arm's place.
   ASSERT_TRUE(until([&] { return bench_->press({{-2, 0, 50}, {0, 0, -1}}); }));
   ASSERT_TRUE(until([&] { return bench_->removedMm3() > removed + 0.02; }));
   bench_->release();
 
-  // And the arm again.
+  // The arm takes over again.
   const auto arm = press();
   ASSERT_TRUE(until([&] { return bench_->isLed(); }));
   EXPECT_FALSE(bench_->press({{2, 0, 50}, {0, 0, -1}})) << "one hand at a time";

@@ -1,4 +1,4 @@
-// kerf-bench: goals are judged by the table, and a goal that is missed fails the command.
+// kerf-bench: the table judges the goals, and a missed goal fails the command.
 #include <cmath>
 #include <nlohmann/json.hpp>
 

@@ -1,4 +1,4 @@
-// A workbench with a block on it, a camera from above, and who points the tool: for tests of hands.
+// For tests of hands: a workbench with a block on it, a camera from above, and a pointing person.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@
 
 namespace kerf::test {
 
-// Nothing is open.
+// A workbench without an object.
 class StrokePointerTest : public testing::Test {
  protected:
   TemporaryFolder folder_;
@@ -46,7 +46,7 @@ class OnABlock : public StrokePointerTest {
     bench_.depth_mm = 0.6;
     bench_.setForce(2);
   }
-  // What is opened.
+  // The scan to open.
   virtual Mesh block() const { return test::blockMesh(false); }
   void TearDown() override {
     bench_.close();
@@ -62,8 +62,8 @@ class OnABlock : public StrokePointerTest {
     const auto end = bench_.report().tick + static_cast<std::uint64_t>(seconds / kTick);
     until([&] { return bench_.report().tick >= end; });
   }
-  // As long as a tool that cuts needs to it: on a busy machine it goes deeper before it is led on, and then has more to
-  // cut on its way.
+  // Runs until a condition holds. On a busy machine a cutting tool goes deeper before it moves on, and then has more to
+  // cut on its path.
   void runUntil(const std::function<bool()>& is_so) {
     constexpr double kLongest = 20, kStep = 0.25;  // s
     for (double t = 0; t < kLongest && !is_so(); t += kStep) run(kStep);

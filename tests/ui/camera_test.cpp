@@ -124,10 +124,10 @@ TEST(Camera, EmptyAndPointMeshesGetAField) {
   EXPECT_NEAR((camera.target - Vec3d(1, 2, 3)).norm(), 0, 1e-12);
 }
 
-// Where a point is in a picture of 800 x 600.
+// Place of a point in a picture of 800 x 600.
 std::array<double, 2> at(const Camera& camera, const Vec3d& p) { return pixelOf(camera, p, 800, 600); }
 
-// What one has grabbed stays under the cursor, however the view is turned.
+// The grabbed point stays under the cursor at any rotation of the view.
 TEST(Camera, TurnsAboutWhatIsUnderTheCursor) {
   for (const double field : {0.0, 30.0})
     for (const double roll : {0.0, 0.7}) {
@@ -161,7 +161,7 @@ TEST(Camera, InPerspectiveWhatIsNearerIsLargerAndTheFocusIsAsItWas) {
     EXPECT_NEAR(at(camera, beside)[0], at(parallel, beside)[0], 1e-9) << "at the focus";
     EXPECT_NEAR(at(camera, beside)[1], at(parallel, beside)[1], 1e-9);
 
-    // Half way to the eye all is twice as large.
+    // Half-way to the eye everything is twice as large.
     const Vec3d nearer = beside + 0.5 * camera.eyeDistance() * camera.backwards();
     EXPECT_NEAR(at(camera, nearer)[0] - 400, 2 * (at(camera, beside)[0] - 400), 1e-9);
     EXPECT_NEAR(camera.mmPerPixelAt(nearer, 600), 0.5 * camera.mmPerPixel(600), 1e-12);
@@ -221,7 +221,7 @@ TEST(Camera, RollTurnsThePictureAndDragsFollowIt) {
   EXPECT_NEAR(at(camera, p)[1], 300, 1e-9);
   EXPECT_NEAR((camera.rotation() * camera.rotation().transpose() - Eigen::Matrix3d::Identity()).norm(), 0, 1e-12);
 
-  // A point before the target follows the cursor, turned or not.
+  // A point in front of the target follows the cursor, rotated or not.
   for (const double roll : {0.0, 0.7, kPi / 2, -2.0}) {
     Camera turned = camera;
     turned.roll = roll;

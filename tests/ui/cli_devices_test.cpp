@@ -1,4 +1,4 @@
-// kerf devices, run as a user runs it, among devices that umockdev simulates.
+// kerf devices, run as a user does, with devices simulated by umockdev.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <sys/wait.h>

@@ -1,4 +1,4 @@
-// Names of objects from the file that is baked to the files that are exported.
+// Names of objects from the baked file to the exported files.
 #include <sstream>
 
 #include "tests/ui/cli_runner.h"
@@ -32,7 +32,7 @@ class CliNames : public Cli {
   void bakes(const std::string& file, const std::string& folder) {
     runs({"bake", at(file), "--unit", "mm", "--voxel", "0.3", "-o", at(folder)});
   }
-  // "o ..." of an OBJ, in their order.
+  // The "o ..." lines of an OBJ, in order.
   std::vector<std::string> objects(const std::string& file) {
     std::vector<std::string> out;
     std::istringstream text(contentOf(at(file)));
@@ -64,7 +64,7 @@ TEST_F(CliNames, NamePiecesAndTheirFiles) {
   EXPECT_EQ(contentOf(at("chosen.obj")), contentOf(at("out-gingiva.obj")));
 }
 
-// Tooth numbers are names, and "all" may be one.
+// Tooth numbers are names, and "all" may be a name.
 TEST_F(CliNames, ThatAreNumbersOrAllChooseNoOtherPiece) {
   folder_.write("row.obj", boxes({"all", "1", "3"}));
   bakes("row.obj", "row.case");

@@ -1,4 +1,4 @@
-// kerf pick: the numbers of a place, against shapes whose numbers are known.
+// kerf pick: coordinates of a place, against shapes with known coordinates.
 #include <nlohmann/json.hpp>
 
 #include "tests/ui/cli_runner.h"
@@ -59,7 +59,7 @@ TEST_F(CliPick, PixelsAreThoseOfThePictureAndPlacesMayBeMany) {
   const json j = pick({at("block.off"), "--unit", "mm", "--pixel", "600,450", "--at", "11,22", "--at", "11.5,23",
                        "--size", "1200x900"});
   ASSERT_EQ(j["points"].size(), 3u);
-  // The middle of the picture is the middle of the block; --at comes first.
+  // The middle of the picture is the middle of the block; --at takes precedence.
   expectNear(j["points"][2]["point_mm"], {11, 22, 36});
   expectNear(j["points"][1]["point_mm"], {11.5, 23, 36});
   EXPECT_EQ(j["points"][0]["path_row"],
@@ -86,7 +86,7 @@ TEST_F(CliPick, OfARunIsWhatIsLeft) {
   EXPECT_NEAR(j["points"][0]["thickness_mm"].get<double>(), 3.5, 0.02);
 }
 
-// A scan that is stored with its teeth towards -y and open towards +y is looked at from its teeth.
+// A scan stored with its teeth towards -y and open towards +y is viewed from its teeth.
 TEST_F(CliPick, AnOpenScanStandsUpright) {
   folder_.write("open.off",
                 "OFF\n8 10 0\n10 20 30\n12 20 30\n10 24 30\n12 24 30\n10 20 36\n12 20 36\n10 24 36\n12 24 36\n"

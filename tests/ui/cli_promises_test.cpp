@@ -1,5 +1,5 @@
-// What the guides promise of every command: nothing is replaced unasked, units are told, doubtful results are warned
-// of.
+// Promises of the guides for every command: nothing is replaced unasked, units are printed, doubtful results cause
+// warnings.
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -13,7 +13,7 @@ using nlohmann::json;
 
 class CliPromises : public Cli {
  protected:
-  // Runs well, and warns of these.
+  // Succeeds with these warnings.
   void warns(const std::vector<std::string>& arguments, const std::vector<std::string>& said) {
     const Outcome o = runKerf(arguments);
     EXPECT_EQ(o.exit_code, 0) << o.err;
@@ -170,7 +170,7 @@ TEST_F(CliPromises, AStrokeForNothingAndATipThatComesOutBehindAreTold) {
   }
 }
 
-// The second stroke is inside of the box, where there is material already.
+// The second stroke is inside the box, in existing material.
 TEST_F(CliPromises, StrokesThatAddMaterialAreCountedAndThoseForNothingAreTold) {
   makeCase();
   folder_.write(
@@ -191,7 +191,8 @@ TEST_F(CliPromises, StrokesThatAddMaterialAreCountedAndThoseForNothingAreTold) {
   EXPECT_TRUE(summary["comes_out_at_mm"].is_null());
 }
 
-// Voxels of 0.5 mm count no scratch of 0.04 mm; those of 0.05 mm around it do. The last stroke stays above the box.
+// Voxels of 0.5 mm do not register a scratch of 0.04 mm; those of 0.05 mm around it do. The last stroke stays above the
+// box.
 TEST_F(CliPromises, AStrokeWithinAFineRegionIsJudgedByItsVoxels) {
   makeCase();
   const auto path = [](double depth) {
@@ -221,7 +222,8 @@ TEST_F(CliPromises, AStrokeWithinAFineRegionIsJudgedByItsVoxels) {
   }
 }
 
-// A stroke that no node counts is judged between the nodes, also beside one that nodes count, and after another run.
+// A stroke that no node registers is judged between the nodes, also beside one that nodes register, and after another
+// run.
 TEST_F(CliPromises, AThinStrokeBesideADeepOneIsNotSaidToRemoveNothing) {
   makeCase();
   ASSERT_EQ(runKerf({"bake", at("box.off"), "--unit", "mm", "-o", at("coarse.case"), "--voxel", "0.5"}).exit_code, 0);
@@ -239,7 +241,7 @@ TEST_F(CliPromises, AThinStrokeBesideADeepOneIsNotSaidToRemoveNothing) {
     return o.exit_code == 0 ? json::parse(o.out)["idle_strokes"] : json();
   };
   const std::string along = stroke("line", "[5, 0, 0]");
-  // Deep; then beside it thin; along the deep groove again; in the air.
+  // Deep; then shallow beside it; along the deep groove again; in the air.
   const std::string thin_and_two_idle = along + stroke("move", "[-5, 0, 1]") + stroke("move", "[0, 1.5, -0.46]") +
                                         along + stroke("move", "[-5, 0, 1]") + stroke("move", "[0, -1.5, -1.54]") +
                                         along + stroke("move", "[-5, 0, 2]") + along;
@@ -248,7 +250,7 @@ TEST_F(CliPromises, AThinStrokeBesideADeepOneIsNotSaidToRemoveNothing) {
   EXPECT_EQ(cut("deep.run", 0.61, along, "deeper.run"), json::array()) << "by a hundredth of a mm";
 }
 
-// The export goes by the field between the nodes, and so does the warning.
+// Both the export and the warning use the field between the nodes.
 TEST_F(CliPromises, ACutBetweenTheNodesIsWarnedOfAsThin) {
   makeCase();
   ASSERT_EQ(runKerf({"bake", at("box.off"), "--unit", "mm", "-o", at("coarse.case"), "--voxel", "0.5"}).exit_code, 0);
@@ -392,7 +394,7 @@ TEST_F(CliPromises, ToolCheckShowsAtATerminalHowFarItIs) {
   EXPECT_EQ(runKerf({"tool", "check", "round-014", "us-35"}).err, "") << "no terminal, no line";
 }
 
-// It writes nothing, and need not be waited for: not even by Ctrl-C while it is cutting.
+// It writes nothing, so it ends at once, even by Ctrl-C during a cut.
 TEST_F(CliPromises, ToolCheckEndsAtOnceByEitherSignal) {
   for (const int signal : {SIGINT, SIGTERM}) {
     RunOptions options;
@@ -422,7 +424,7 @@ TEST_F(CliPromises, ExportAndCheckCountTheSamePieces) {
   EXPECT_EQ(json::parse(runKerf({"info", at("two.run"), "--json"}).out)["piece_count"], exported["pieces"]);
 }
 
-// 2.4 GB before copies were dropped ahead of the pairs; what the program itself needs is some 50 MB.
+// 2.4 GB before copies were dropped ahead of the pairs. The program itself needs some 50 MB.
 TEST_F(CliPromises, ManyCopiesOfOneTriangleTakeLittleMemory) {
   constexpr int kCopies = 20'000;
   std::string off = fmt::format("OFF\n3 {} 0\n0 0 0\n9 0 0\n0 9 0\n", kCopies);
@@ -439,7 +441,7 @@ TEST_F(CliPromises, ManyCopiesOfOneTriangleTakeLittleMemory) {
   }
 }
 
-// 216 MB of a raw volume, of which a ball of 40 voxels is labelled: all of it at once would be twice that and more.
+// 216 MB of a raw volume, with a label in a ball of 40 voxels. Reading it all at once would need more than twice that.
 TEST_F(CliPromises, ASparseLabelVolumeTakesLessMemoryThanItsFile) {
   constexpr int kSide = 600;
   {
@@ -462,7 +464,7 @@ TEST_F(CliPromises, ASparseLabelVolumeTakesLessMemoryThanItsFile) {
   EXPECT_LT(o.most_memory_mb, 200);
 }
 
-// ITK takes 0.1 s and 50 MB. The dynamic linker tells what is loaded.
+// ITK takes 0.1 s and 50 MB. The dynamic linker lists the loaded libraries.
 TEST_F(CliPromises, OnlyWhatReadsAVolumeLoadsItsReader) {
   folder_.write("labels.nrrd",
                 "NRRD0004\ntype: unsigned char\ndimension: 3\nsizes: 2 2 1\nspacings: 1 1 1\n"
@@ -507,7 +509,7 @@ TEST_F(CliPromises, ATrimTellsItsPlanes) {
   EXPECT_NE(o.out.find("cut along 0.00000,0.00000,1.00000@"), o.out.npos) << o.out;
 }
 
-// Two arms on a bridge: planes around one of them take the other one too.
+// Two arms on a bridge: planes around one arm include the other one.
 TEST_F(CliPromises, ATrimTellsTheMiddleOfEachPiece) {
   std::string arms = "OFF\n16 24 0\n", faces;
   for (int arm = 0; arm < 2; ++arm) {

@@ -1,4 +1,4 @@
-// What kerf refuses: every bad input gets one line that names the file, exit code 1, and leaves nothing behind.
+// Errors of kerf: every bad input gives one line with the name of the file, exit code 1, and leaves nothing behind.
 #include <sys/stat.h>
 
 #include <cstdio>
@@ -96,7 +96,7 @@ TEST_F(Cli, MissingFilesFoldersAndDevicesAreRefused) {
   refuses({"export", at("folder.stl"), "-o", at("x.stl")}, {"folder.stl"});
 }
 
-// Nobody writes into it: who opens it waits for ever.
+// It has no writer: a program that opens it waits for ever.
 TEST_F(Cli, ARunWithAPipeInPlaceOfAFileDoesNotHang) {
   makeCase();
   const std::vector<std::string> cut{"cut", "CASE", "--tool", "round-014", "--path", at("down.csv"), "-o", "RUN"};
@@ -132,7 +132,7 @@ TEST_F(Cli, ARunWithAPipeInPlaceOfAFileDoesNotHang) {
   EXPECT_GE(files, 5u);
 }
 
-// Misspelt, it would leave people with our tools and materials in place of their own.
+// A misspelt variable would silently select the default tools and materials.
 TEST_F(Cli, AFolderOfAssetsThatIsNoneIsRefused) {
   folder_.write("box.off", box());
   fs::create_directories(in("empty"));
@@ -224,7 +224,7 @@ TEST_F(Cli, FoldersWithoutPermissionAreRefused) {
     fs::permissions(in("locked"), fs::perms::owner_all);
     return;
   }
-  // Root may write anywhere, so kerf runs as nobody, who must be able to reach it.
+  // Root may write anywhere, so kerf runs as nobody, who must have access to it.
   RunOptions nobody;
   nobody.as_nobody = true;
   makeRun();
@@ -270,15 +270,15 @@ TEST_F(Cli, NonsenseNumbersAndUnitsAreRefused) {
     refuses({"cut", at("box.case"), "--tool", "round-014", "--path", at("groove.csv"), "-o", at("x.run"), "--hand",
              "force", wrong},
             {wrong.substr(0, wrong.find('=')) + ": "}, 2);
-  // 0.005 mm on a box of 60 mm needs more memory than anybody has: the voxel size that fits is said.
+  // 0.005 mm on a box of 60 mm needs too much memory: the error names a voxel size that fits.
   refuses({"bake", at("box.off"), "-o", at("x.case"), "--unit", "cm", "--voxel", "0.005"},
           {"GB", "60 x 50 x 40 mm", "--voxel", "another --unit"});
-  // A box of metres is no dental object, whatever the voxels.
+  // A box of metres is no dental object at any voxel size.
   refuses({"bake", at("box.off"), "-o", at("x.case"), "--unit", "m", "--voxel", "0.005"},
           {"8775 mm across", "at most 2000 mm", "another --unit"});
 }
 
-// The options of numbers that a command's help lists: "--voxel FLOAT=0.1".
+// The numeric options in a command's help: "--voxel FLOAT=0.1".
 std::vector<std::string> optionsOfNumbers(const std::vector<std::string>& command) {
   std::vector<std::string> words = command, options;
   words.push_back("--help");
@@ -347,7 +347,7 @@ TEST_F(Cli, BadPathsAndToolsAreRefused) {
     refuses({"tool", "check", at(name)}, {name});
     refuses({"info", at(name)}, {name});
   }
-  // A kilometre through the box in one motion costs no more than the box.
+  // A kilometre through the box in one motion costs the same as a path of the box's size.
   folder_.write("long.toml", toml + "[start]\nposition = [-900, -900, -900]\naxis = [0, 0, 1]\n" +
                                  "[[stroke]]\nkind = \"line\"\nto = [900, 900, 900]\n");
   const Outcome o =
@@ -383,7 +383,7 @@ TEST_F(Cli, DamagedCasesAndRunsAreRefused) {
     for (const auto& command : commands(file)) refuses(command, {file.substr(0, 5)});
     folder_.write(file, good);
   }
-  // Manifests that parse but lie.
+  // Manifests that parse but hold false values.
   const auto replaced = [](std::string text, const std::string& key, const std::string& value) {
     const std::size_t at = text.find("\n" + key + " = "), end = text.find('\n', at + 1);
     EXPECT_NE(at, text.npos) << key;
@@ -407,7 +407,7 @@ TEST_F(Cli, DamagedCasesAndRunsAreRefused) {
 
 TEST_F(Cli, VdbFilesWithOtherGridsAreRefused) {
   makeRun();
-  // The manifest vouches for the file, its content still has to fit: a tool's fields in place of the case's.
+  // The manifest confirms the file, but its content must also fit: a tool's fields in place of the case's.
   ASSERT_EQ(runKerf({"tool", "bake", "round-014", "-o", at("round.tool")}).exit_code, 0);
   const auto vouch = [&](const std::string& manifest, const std::string& file) {
     std::string text = contentOf(in(manifest));
@@ -479,7 +479,7 @@ TEST_F(Cli, TomlFilesOfManyMegabytesAreRefusedBeforeTheyAreParsed) {
   refuses({"tool", "check", at("big.toml")}, {"big.toml", "more than 16 MB"});
 }
 
-// Names of a stranger's files must not reach the terminal as they are.
+// Names in external files must not reach the terminal unescaped.
 TEST_F(Cli, NoOutputHoldsCommandsToTheTerminal) {
   const std::string commands =
       "\x1b]0;x\x07\xc2\x9b"
@@ -530,7 +530,7 @@ TEST_F(Cli, FilesOfARunThatNoKerfWroteAreRefusedSoon) {
   }
 }
 
-// Some of its files have no end, others wait for who writes into them.
+// Some of its files have no end, others wait for a writer.
 TEST_F(Cli, AFolderOfTheSystemIsRefused) {
   for (const char* command : {"info", "check"}) refuses({command, "/proc"}, {"/proc"});
   refuses({"bake", "/proc", "-o", at("x.case")}, {"/proc"});
@@ -580,7 +580,7 @@ TEST_F(Cli, OverwriteIsTheNameAndForceTheOldOne) {
   EXPECT_EQ(help.find("--force"), std::string::npos);
 }
 
-// On a full disk writes fail half-way; a limit on the size of files does the same to a program that ignores SIGXFSZ.
+// On a full disk writes fail half-way. A file size limit does the same to a program that ignores SIGXFSZ.
 TEST_F(Cli, AFullDiskLeavesNothing) {
   makeRun();
   ASSERT_EQ(runKerf({"demo-molar", "--edge", "0.8", "-o", at("molar.stl")}).exit_code, 0);
@@ -616,8 +616,7 @@ TEST_F(Cli, InterruptedBakesStopSoonAndLeaveNothing) {
     EXPECT_GT(o.seconds_after_signal, 0) << "it was done before the signal: choose a finer voxel";
     EXPECT_LT(o.seconds_after_signal, 10);
     EXPECT_EQ(o.signal, 0);
-    // On a machine that does much else cleaning up may take more than the two seconds that SIGTERM allows: the next run
-    // does it then.
+    // On a busy machine, cleaning up may take longer than the two seconds of SIGTERM: the next run does it then.
     if (signal == SIGTERM && o.exit_code == 128 + SIGTERM) {
       ASSERT_EQ(runKerf({"bake", at("molar.stl"), "-o", at("x.case"), "--voxel", "0.3"}).exit_code, 0);
       std::filesystem::remove_all(at("x.case"));

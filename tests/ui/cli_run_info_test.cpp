@@ -1,4 +1,4 @@
-// kerf info RUN, kerf plot and kerf trim, as a user runs them.
+// kerf info RUN, kerf plot and kerf trim, run as a user does.
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -61,14 +61,14 @@ TEST_F(CliRunInfo, OfARunOfGeometrySaysTissuesSharesAndPlan) {
   ASSERT_EQ(info["missing"].size(), 1u) << info["missing"];
   EXPECT_NE(info["missing"][0].get<std::string>().find("geometry alone"), std::string::npos);
 
-  // People are told the same first, and what the run is made of after that.
+  // The text output starts with the same data, followed by the composition of the run.
   const Outcome plain = runKerf({"info", at("plain.run")});
   EXPECT_EQ(plain.out.find("removed "), 0u) << plain.out;
   EXPECT_NE(plain.out.find("enamel"), plain.out.npos);
   EXPECT_NE(plain.out.find("not known: force"), plain.out.npos) << plain.out;
   EXPECT_LT(plain.out.find("tools: round-014"), plain.out.find("state_hash:")) << plain.out;
 
-  // What somebody edited is not passed on as the run's: that is said first. An older run has no hash of it.
+  // An edited summary is not reported as the run's: the error comes first. An older run has no hash of its summary.
   EXPECT_EQ(info["summary_is_edited"], false);
   const std::string summary = contentOf(at("plain.run/summary.json"));
   json doubled = json::parse(summary);
@@ -85,11 +85,11 @@ TEST_F(CliRunInfo, OfARunOfGeometrySaysTissuesSharesAndPlan) {
   folder_.write("plain.run/run.toml", manifest);
   folder_.write("plain.run/summary.json", summary);
 
-  // Without its summary, as older runs are, the field is counted: the same.
+  // Without its summary, as in older runs, the volume comes from the field: the same result.
   std::filesystem::remove(at("plain.run/summary.json"));
   const json counted = parsed({"info", at("plain.run"), "--json"});
   EXPECT_EQ(counted["removed_by_material_mm3"], info["removed_by_material_mm3"]);
-  // Neither summary nor case: it says so, and what it knows.
+  // With neither summary nor case, kerf info reports this and the remaining data.
   std::filesystem::rename(at("molar.case"), at("elsewhere.case"));
   const json alone = parsed({"info", at("plain.run"), "--json"});
   EXPECT_TRUE(alone["removed_mm3"].is_null());
@@ -98,7 +98,7 @@ TEST_F(CliRunInfo, OfARunOfGeometrySaysTissuesSharesAndPlan) {
 
   std::ofstream(at("plain.run/summary.json")) << "{\"removed_mm3\": \"much\"}";
   refuses({"info", at("plain.run")}, {"summary.json", "removed_mm3"});
-  // What no cut comes to is no result; a share of a voxel less than nothing is one.
+  // Values out of range for any cut are rejected; a volume below zero by a share of a voxel is accepted.
   for (const auto& [lie, words] : std::vector<std::pair<std::string, std::string>>{
            {"{\"removed_mm3\": -5e300}", "key removed_mm3: -5e+300"},
            {"{\"removed_mm3\": 1e13}", "key removed_mm3: 1e+13"},
@@ -126,7 +126,7 @@ TEST_F(CliRunInfo, OfARunAgainstResistanceSaysWhenAndWhere) {
   EXPECT_EQ(info["peak_contact_force_N"], made["peak_contact_force_N"]);
   EXPECT_EQ(info["farthest_off_at_mm"], made["farthest_off_at"]);
   EXPECT_EQ(info["missing"], json::array());
-  // With what it was cut: two runs can not be compared without it.
+  // The settings of the cut: a comparison of two runs needs them.
   const json& with = info["settings"];
   EXPECT_EQ(with["hand"], "force");
   EXPECT_EQ(with["push_N"], 1.5);
@@ -139,7 +139,7 @@ TEST_F(CliRunInfo, OfARunAgainstResistanceSaysWhenAndWhere) {
   EXPECT_NE(told.find("held by a force hand, 1.5 N, at most 20 mm/s; turbine"), told.npos) << told;
   EXPECT_TRUE(info["bone_limit_at_s"].is_null()) << "never is null, not -1";
 
-  // Force, temperature and distance were what they are said to have been, then.
+  // At the stated times, force, temperature and distance had the stated values.
   std::ifstream rows(at("push.run/forces.csv"));
   std::string row;
   std::getline(rows, row);
@@ -168,20 +168,20 @@ TEST_F(CliRunInfo, OfARunAgainstResistanceSaysWhenAndWhere) {
   EXPECT_NEAR(by_ms.at(static_cast<int>(std::lround(1000 * nearest_s)))["pulp_mm"],
               info["least_distance_mm"]["pulp"].get<double>(), 1e-4);
 
-  // A summary of an older version has no times: the table has.
+  // A summary of an older version has no times; the table has them.
   json older = json::parse(contentOf(at("push.run/summary.json")));
   for (const char* key : {"peak_contact_force_at_s", "hottest_at_s", "least_distance_at_s"}) older.erase(key);
   older["bone_limit_at_s"] = -1;
   std::ofstream(at("push.run/summary.json")) << older;
   const json again = parsed({"info", at("push.run"), "--json"});
   EXPECT_NEAR(again["peak_contact_force_at_s"].get<double>(), info["peak_contact_force_at_s"].get<double>(), 1e-4);
-  // To the digits of the table it was as near once before.
+  // To the precision of the table, the distance was equally small once before.
   const double again_s = again["least_distance_at_s"]["pulp"];
   EXPECT_NEAR(by_ms.at(static_cast<int>(std::lround(1000 * again_s)))["pulp_mm"],
               info["least_distance_mm"]["pulp"].get<double>(), 1.1e-4);
   EXPECT_TRUE(again["bone_limit_at_s"].is_null());
 
-  // A chart from the table; and from the log where there is none, with the same marks.
+  // A chart from the table, or without a table from the log, with the same marks.
   const auto plot = [&](const std::vector<std::string>& more) {
     std::vector<std::string> words{"plot", at("push.run"), "-o", at("chart.svg"), "--overwrite"};
     words.insert(words.end(), more.begin(), more.end());
@@ -214,7 +214,7 @@ TEST_F(CliRunInfo, OfARunAgainstResistanceSaysWhenAndWhere) {
   refuses({"plot", at("push.run"), "-o", at("x.svg")}, {"forces.csv", "line 1"});
 }
 
-// No spacing mends a damaged picture.
+// Spacing cannot repair a damaged picture.
 TEST_F(CliRunInfo, OfAFolderOfSlicesNamesTheOneThatIsDamagedOrCut) {
   // 4 x 3 pixels, grey, 8 bits: 0 to 11.
   const std::string png(
@@ -227,7 +227,7 @@ TEST_F(CliRunInfo, OfAFolderOfSlicesNamesTheOneThatIsDamagedOrCut) {
   folder_.write("slices/b.png", png);
   EXPECT_EQ(parsed({"info", at("slices"), "--json"})["labels"].size(), 12u);
 
-  // libpng's own words about a colour profile of nothing stay inside.
+  // libpng's own message about an empty colour profile is suppressed.
   std::string profiled = png;
   profiled.insert(33, std::string("\x00\x00\x00\x03\x69\x43\x43\x50\x78\x00\x00\x84\x32\xba\x59", 15));
   folder_.write("slices/b.png", profiled);
@@ -243,7 +243,7 @@ TEST_F(CliRunInfo, OfAFolderOfSlicesNamesTheOneThatIsDamagedOrCut) {
   }
 }
 
-// refuses() looks for {"error": {...}} on standard output wherever --json is asked for.
+// refuses() expects {"error": {...}} on standard output if --json is given.
 TEST_F(CliRunInfo, AWrongCommandLineIsAnsweredInJsonTooAndWithTheNearestOption) {
   refuses({"info", "--json"}, {"PATH is required"}, 2);
   refuses({"info", at("x.run"), "--json", "--bogus"}, {"--bogus: no such option of kerf info"}, 2);
@@ -253,7 +253,7 @@ TEST_F(CliRunInfo, AWrongCommandLineIsAnsweredInJsonTooAndWithTheNearestOption) 
   refuses({"plot", at("x.run"), "--ouput=x.svg"}, {"--ouput: no such option of kerf plot (did you mean --output?)"}, 2);
   refuses({"info", at("x.run"), "another"}, {"another: one word too many"}, 2);
 
-  // Numbers: what is wrong with them in words, without all the digits of the largest one that there is.
+  // Numbers: the message has the error in words, without all digits of the largest number.
   refuses({"bake", "--json", at("x.stl"), "-o", at("y"), "--voxel", "7"},
           {"--voxel: 7; expected a number from 0.005 to 5"}, 2);
   refuses({"bake", at("x.stl"), "-o", at("y"), "--drop-specks", "x"},
@@ -273,10 +273,10 @@ TEST_F(CliRunInfo, AWrongCommandLineIsAnsweredInJsonTooAndWithTheNearestOption) 
   EXPECT_EQ(j["error"]["hint"], "kerf info --help");
 }
 
-// While a sheet is looked at for what is wrong with it, nobody asks whether to go on: an alarm ends the program
-// (ui/cli/terminal.cpp). Work that happens to ask cancels, and is given two seconds for it.
+// During the check of a sheet, no code polls for cancellation: an alarm ends the program (ui/cli/terminal.cpp). Code
+// that does poll cancels, and gets two seconds for it.
 TEST_F(CliRunInfo, SigtermEndsWorkThatDoesNotLookUpWithinASecondOrTwo) {
-  constexpr double kAllowed = 1 + 2, kBusy = 17;  // s; a machine that does more than this
+  constexpr double kAllowed = 1 + 2, kBusy = 17;  // s; a machine with much other load
   constexpr int kAlong = 700;                     // a sheet of 0.98 M triangles: some seconds to read and check
   std::string off = fmt::format("OFF\n{} {} 0\n", kAlong * kAlong, 2 * (kAlong - 1) * (kAlong - 1));
   for (int i = 0; i < kAlong; ++i)
@@ -312,7 +312,7 @@ TEST_F(CliRunInfo, TrimWritesBothSidesOrOneAndTheFileStaysAsItWas) {
   for (const char* name : {"out-above.stl", "out-below.stl"})
     EXPECT_EQ(runKerf({"check", at(name)}).exit_code, 0) << name;
 
-  // The same plane by three points; one side alone has the name that was asked for.
+  // The same plane by three points. A single side gets the requested name.
   const json three = parsed({"trim", at("box.off"), "--plane", "0,0,-1/3,0,-1/0,3,-1", "--keep", "below", "-o",
                              at("low.ply"), "-o", at("low.stl"), "--json"});
   EXPECT_EQ(three["files"], json({at("low.ply"), at("low.stl")}));
@@ -341,7 +341,7 @@ TEST_F(CliRunInfo, TrimWritesBothSidesOrOneAndTheFileStaysAsItWas) {
 TEST_F(CliRunInfo, ExportWritesEachPieceOfACutThatSevered) {
   folder_.write("box.off", box());
   ASSERT_EQ(runKerf({"bake", at("box.off"), "--voxel", "0.2", "-o", at("bar.case")}).exit_code, 0);
-  // A ball of 1.4 mm goes through all of the height, from one side of the box to the other.
+  // A ball of 1.4 mm passes through the whole height, from one side of the box to the other.
   std::string path = "t,x,y,z,qw,qx,qy,qz\n";
   double t = 0;
   for (double z = -0.2; z > -6; z -= 0.5) {

@@ -1,4 +1,4 @@
-// Runs the built program kerf, or another, as a user does and keeps the output; a small case and run to try it on.
+// Runs the program kerf, or another, as a user does and keeps the output. Provides a small case and run.
 #pragma once
 
 #include <fcntl.h>
@@ -26,7 +26,7 @@
 namespace kerf {
 
 struct Outcome {
-  int exit_code = -1, signal = 0;  // signal 0: it ended by itself
+  int exit_code = -1, signal = 0;  // signal 0: normal exit
   std::string out, err;
   double seconds = 0, seconds_after_signal = 0;
   double processor_seconds = 0, most_memory_mb = 0;  // of the program, without its children
@@ -37,14 +37,13 @@ struct RunOptions {
   rlim_t largest_file = RLIM_INFINITY;          // bytes; beyond, writes fail as on a full disk (EFBIG)
   bool one_core = false;                        // the thread pool follows the affinity
   bool as_nobody = false;                       // root may write anywhere
-  int signal = 0, second_signal = 0;            // sent after signal_after seconds, at once one after the other
-  double signal_after = 0, most_seconds = 120;  // then it is killed and the test fails
+  int signal = 0, second_signal = 0;            // sent in immediate succession after signal_after seconds
+  double signal_after = 0, most_seconds = 120;  // after that the program is killed and the test fails
   std::map<std::string, std::string> environment{};
   std::string input = "/dev/null";  // standard input
 };
 
-/// The most memory that a process has had since it is the program it is, MB; none: it has ended. What wait4() tells
-/// counts the process that was forked, too.
+/// Peak memory of a process since its exec, MB; empty if it has ended. wait4() would include the forked process.
 inline std::optional<double> peakOf(pid_t process) {
   std::ifstream status(fmt::format("/proc/{}/status", process));
   for (std::string line; std::getline(status, line);)
@@ -126,8 +125,8 @@ inline Outcome runKerf(const std::vector<std::string>& arguments, const RunOptio
   return outcome;
 }
 
-/// Everything in a folder, hidden files too: relative name -> content (of links, folders and pipes: that they are
-/// there).
+/// Everything in a folder, with hidden files: relative name -> content (links, folders and pipes: only their
+/// existence).
 inline std::map<std::string, std::string> snapshot(const std::filesystem::path& folder) {
   std::map<std::string, std::string> all;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
@@ -175,7 +174,7 @@ class Cli : public ::testing::Test {
     ASSERT_EQ(o.exit_code, 0) << o.err;
   }
 
-  /// One line on standard error that holds each of `said`, nothing on standard output, no file made or touched.
+  /// Requires one line on standard error with each of `said`, nothing on standard output, and no file made or changed.
   void refuses(const std::vector<std::string>& arguments, const std::vector<std::string>& said, int exit_code = 1,
                const RunOptions& options = {}) {
     std::string command = options.program;

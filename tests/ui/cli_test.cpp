@@ -1,4 +1,4 @@
-// The program kerf from mesh to print, as a user runs it: what comes out, what it says, and that it is the same twice.
+// The program kerf from mesh to print, run as a user does: its output, its messages, and its reproducibility.
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -51,7 +51,7 @@ TEST_F(Cli, HelpListsEveryCommandUnderAHeadingAndEachHasHelpOfItsOwn) {
   for (const char* heading : {"Commands from scan to mesh:", "Commands for files and tools:", "Commands for examples:"})
     EXPECT_NE(help.find(heading), help.npos) << heading << "\n" << help;
 
-  // The names as the message about an unknown command tells them: "expected one of bake, cut, ... Try: ..."
+  // The names in the message about an unknown command: "expected one of bake, cut, ... Try: ..."
   const std::string message = runKerf({"saw"}).err;
   const std::size_t begin = message.find("one of ") + 7, end = message.find(". Try");
   ASSERT_LT(begin, end) << message;
@@ -106,7 +106,7 @@ TEST_F(Cli, BakeTellsTheSameKeysWhenUpToDate) {
   for (const auto& [key, value] : first.items()) EXPECT_TRUE(again.contains(key)) << key;
   EXPECT_EQ(again["sources"][0]["sha256"], first["sources"][0]["sha256"]);
 
-  // What closing cost is kept in numbers; the places are not.
+  // The costs of closing are kept as numbers, without the places.
   ASSERT_TRUE(again["closing"].is_object()) << again["closing"];
   for (const auto& [key, value] : first["closing"].items()) {
     ASSERT_TRUE(again["closing"].contains(key)) << key;
@@ -119,7 +119,7 @@ TEST_F(Cli, BakeTellsTheSameKeysWhenUpToDate) {
   EXPECT_EQ(info["closing"]["vertices_lost"], first["closing"]["vertices_lost"]);
 }
 
-// A thing of 2.6 mm is doubted: its base is scaled down with it. That is told again when nothing is baked.
+// A scan of 2.6 mm gets a warning: its base is scaled down with it. The warning is repeated when nothing is baked.
 TEST_F(Cli, BakeTellsItsWarningsAgainWhenUpToDate) {
   std::string tiny = "OFF\n8 10 0\n";
   for (int c = 0; c < 8; ++c)
@@ -143,7 +143,7 @@ TEST_F(Cli, BakeTellsItsWarningsAgainWhenUpToDate) {
   EXPECT_NE(told.out.find("WARNING: " + said), told.out.npos) << told.out;
 }
 
-// 016 in a bur's number is 1.6 mm. A ball of 16 mm is cut right all the same.
+// 016 in a bur's number means 1.6 mm. A ball of 16 mm gets a warning, but cuts correctly.
 TEST_F(Cli, AHeadTenTimesTooWideIsDoubtedAndItsVolumeIsRight) {
   folder_.write("big-ball.toml",
                 "format = \"kerf-tool\"\nversion = 1\nid = \"big-ball\"\nname = \"Ball\"\nkind = \"bur\"\n"
@@ -155,7 +155,7 @@ TEST_F(Cli, AHeadTenTimesTooWideIsDoubtedAndItsVolumeIsRight) {
   EXPECT_TRUE(parsed(runKerf({"tool", "check", at("big-ball.toml"), "--json"}))[0].contains("doubt"));
 }
 
-// A rod of 6 mm that lies across the axis about which it is said to turn: every command that reads it doubts it.
+// A rod of 6 mm across its declared rotation axis: every command that reads it warns.
 TEST_F(Cli, AToolMeshAcrossItsAxisIsDoubtedWhereverItIsUsed) {
   makeCase();
   std::string rod = "OFF\n8 12 0\n";
@@ -184,9 +184,9 @@ TEST_F(Cli, AToolMeshAcrossItsAxisIsDoubtedWhereverItIsUsed) {
   EXPECT_NE(cut.err.find("WARNING: across: " + doubt), cut.err.npos) << cut.err;
 }
 
-// A pin of 120 000 triangles as a tool: whether it is convex is asked of few of its vertices. Each triangle against
-// each vertex took ten times as long, and half an hour with the 1.5 million triangles that a scanner gives. The measure
-// is what a check of the same mesh takes on this machine: the tool takes 4 times that, then it took 40 times.
+// A pin of 120 000 triangles as a tool: the convexity test uses few of its vertices. Each triangle against each vertex
+// took ten times as long, and half an hour with the 1.5 million triangles of a scanner. The unit is the time of a check
+// of the same mesh on this machine: the tool now takes 4 times that, formerly 40 times.
 TEST_F(Cli, AToolMeshOfManyTrianglesIsReadInAFewTimesTheProcessorTimeOfItsCheck) {
   constexpr int kAround = 300, kUp = 200;
   std::string off = fmt::format("OFF\n{} {} 0\n", kAround * (kUp - 1) + 2, 2 * kAround * (kUp - 1));
@@ -259,7 +259,7 @@ TEST_F(Cli, ACutAgainstResistanceGoesOnFromARun) {
   EXPECT_NEAR(second["initial_mm3"].get<double>(), first["remaining_mm3"].get<double>(), 1e-6);
   EXPECT_LE(then, alone["removed_mm3"].get<double>() + 0.2) << "what is gone is not cut again";
 
-  // What both have cut is exported; the run says what it went on from, and replays.
+  // The export has the cuts of both runs. The run names its origin, and replays.
   const auto exported = [&](const std::string& run) {
     const json out = parsed(runKerf({"export", at(run), "-o", at(run + ".stl"), "--json"}));
     EXPECT_EQ(runKerf({"check", at(run + ".stl")}).exit_code, 0) << run;
@@ -280,7 +280,7 @@ TEST_F(Cli, ACutAgainstResistanceGoesOnFromARun) {
   const Outcome told = runKerf({"info", at("swept.run")});
   EXPECT_NE(told.out.find("since the run that this one goes on from"), told.out.npos) << told.out;
 
-  // A filling in the hole is composite for whoever goes on, by hand or by geometry alone.
+  // In a later run, by hand or by geometry alone, the filling in the hole is composite.
   const json filled =
       parsed(runKerf(cut("first.run", at("beside.csv"), "filled.run", {"--hand", "feed", "--add", "composite"})));
   const double filling = filled["added_by_material_mm3"]["composite"];
@@ -308,7 +308,7 @@ TEST_F(Cli, ACutAgainstResistanceIsRecordedAndReplaysBitForBit) {
   ASSERT_EQ(runKerf({"demo", "molar", "--coarseness", "3", "-o", at("molar")}).exit_code, 0);
   ASSERT_EQ(runKerf({"bake", at("molar/molar.toml"), "--voxel", "0.2", "-o", at("molar.case")}).exit_code, 0);
   const std::string cavity = std::string(KERF_SOURCE_DIR) + "/assets/paths/demo-cavity.toml";
-  // A drive that is strong and quick, for a short test.
+  // A strong and fast drive, for a short test.
   std::string tool = bytesOf(std::string(KERF_SOURCE_DIR) + "/assets/tools/round-014.toml");
   tool.replace(tool.find("round-014"), 9, "quick");
   folder_.write("quick.toml", tool + "\n[drive]\nhandpiece = \"electric\"\nstall_torque_Nmm = 8\nenergy_factor = 3\n");
@@ -331,19 +331,19 @@ TEST_F(Cli, ACutAgainstResistanceIsRecordedAndReplaysBitForBit) {
   EXPECT_NEAR(by_material, removed, 1e-9 * initial);
   EXPECT_GT(feed["removed_by_material_mm3"].size(), 1u);
   EXPECT_EQ(feed["pieces"], 1);
-  // What was planned is what a cut without resistance takes.
+  // The planned volume equals the volume of a cut without resistance.
   const json plan = parsed(
       runKerf({"cut", at("molar.case"), "--tool", at("quick.toml"), "--path", cavity, "-o", at("plan.run"), "--json"}));
   EXPECT_EQ(plan["removed_by_material_mm3"], feed["planned_by_material_mm3"]);
   EXPECT_NEAR(plan["removed_mm3"].get<double>(), feed["planned_mm3"].get<double>(), 1e-9);
   EXPECT_NEAR(removed / feed["planned_mm3"].get<double>(), 1, 0.05);
-  EXPECT_LT(feed["farthest_off_mm"].get<double>(), 1e-6);  // a machine's tool is where its path is
-  // Dry it gets hotter, and nothing else changes.
+  EXPECT_LT(feed["farthest_off_mm"].get<double>(), 1e-6);  // a machine's tool is at its place on the path
+  // A dry cut gets hotter, and nothing else changes.
   const json dry = cut("dry.run", {"feed", "--irrigation", "0"});
   EXPECT_EQ(dry["removed_mm3"], feed["removed_mm3"]);
   EXPECT_GT(dry["hottest_C"].get<double>(), 1.5 * feed["hottest_C"].get<double>());
 
-  // More push: felt more, done sooner, and nearly all of the path is cut all the same.
+  // More push: larger force, shorter time, and still nearly the whole path is cut.
   const json gentle = cut("gentle.run", {"force", "--push", "1"}), firm = cut("firm.run", {"force", "--push", "2"});
   EXPECT_GT(firm["mean_contact_force_N"].get<double>(), gentle["mean_contact_force_N"].get<double>());
   EXPECT_LT(firm["seconds_in_contact"].get<double>(), gentle["seconds_in_contact"].get<double>());
@@ -374,7 +374,7 @@ TEST_F(Cli, ACutAgainstResistanceIsRecordedAndReplaysBitForBit) {
   const Outcome early = runKerf({"replay", at("firm.run"), "--from", "0.5"});
   EXPECT_NE(early.out.find("from the beginning"), early.out.npos) << early.out;
   refuses({"replay", at("firm.run"), "--from", "3", "--until", "2"}, {"--from", "--until"}, 2);
-  // As long as the run, of a height that is heard, and the same again.
+  // Sound as long as the run, at an audible pitch, and reproducible.
   cut("loud.run", {"feed", "--sound"});
   const std::string sound = bytesOf(at("loud.run/sound.wav"));
   ASSERT_EQ(sound.size(), 44 + 2 * 48 * feed["ticks"].get<std::size_t>());
@@ -391,7 +391,7 @@ TEST_F(Cli, ACutAgainstResistanceIsRecordedAndReplaysBitForBit) {
   EXPECT_EQ(half["ticks"], 8000);
   EXPECT_LT(half["removed_mm3"].get<double>(), removed);
 
-  // A row a tick, in order, as many columns as the header says.
+  // A row per tick, in order, with the columns of the header.
   std::istringstream rows(bytesOf(at("feed.run/forces.csv")));
   std::string row;
   std::getline(rows, row);
@@ -404,7 +404,7 @@ TEST_F(Cli, ACutAgainstResistanceIsRecordedAndReplaysBitForBit) {
   }
   EXPECT_EQ(count, feed["ticks"].get<std::uint64_t>());
 
-  // A log that is not the run's, or was cut off.
+  // A log of another run, or a truncated log.
   const std::string log = bytesOf(at("feed.run/session.kerflog"));
   std::ofstream(at("feed.run/session.kerflog"), std::ios::binary) << log.substr(0, log.size() / 2);
   const Outcome torn = runKerf({"replay", at("feed.run")});
@@ -417,10 +417,10 @@ TEST_F(Cli, ACutAgainstResistanceIsRecordedAndReplaysBitForBit) {
   const Outcome torn_json = runKerf({"replay", at("feed.run"), "--json"});
   EXPECT_EQ(torn_json.exit_code, 3);
   EXPECT_NE(torn_json.out.find("\"is_whole\": false"), torn_json.out.npos) << torn_json.out;
-  // Asked for no more than there is, it says how that went.
+  // A request within the available range reports how it went.
   const json part = parsed(runKerf({"replay", at("feed.run"), "--until", "5", "--json"}));
   EXPECT_TRUE(part["is_same"].get<bool>() && part["is_whole"].get<bool>());
-  // Cut short to a second: one sample record a tick, hardly a check.
+  // Cut short to a second: one sample record per tick, hardly a check.
   std::ofstream(at("feed.run/session.kerflog"), std::ios::binary) << log.substr(0, log.size() / 18);
   EXPECT_EQ(runKerf({"replay", at("feed.run")}).exit_code, 3);
   std::ofstream(at("feed.run/session.kerflog"), std::ios::binary) << "no log";
@@ -442,14 +442,14 @@ TEST_F(Cli, ACutAgainstResistanceIsRecordedAndReplaysBitForBit) {
   refuses({"cut", at("molar.case"), "--tool", "round-014", "--path", cavity, "-o", at("x.run"), "--hand", "feed",
            "--response", "impulse"},
           {"--response", "--hand feed", "--hand force or device"}, 2);
-  // A machine's tool is where its path says: no coupling is between.
+  // A machine's tool is at its place on the path: it has no coupling.
   refuses({"cut", at("molar.case"), "--tool", "round-014", "--path", cavity, "-o", at("x.run"), "--hand", "feed",
            "--coupling", "5"},
           {"--coupling", "--hand feed", "--hand device"}, 2);
   refuses({"cut", at("molar.case"), "--tool", "round-014", "--path", cavity, "-o", at("x.run"), "--hand", "force",
            "--response", "god"},
           {"--response", "constraint"}, 2);
-  // A table without one of the case's materials can not say how it cuts: no guess.
+  // A table that lacks one of the case's materials cannot define its cutting: no guess.
   std::filesystem::create_directories(at("assets"));
   std::string table = bytesOf(std::string(KERF_SOURCE_DIR) + "/assets/materials.toml");
   const std::size_t caries = table.find("number = 4\n");
@@ -461,7 +461,7 @@ TEST_F(Cli, ACutAgainstResistanceIsRecordedAndReplaysBitForBit) {
   refuses({"cut", at("molar.case"), "--tool", std::string(KERF_SOURCE_DIR) + "/assets/tools/round-014.toml", "--path",
            cavity, "-o", at("x.run"), "--hand", "feed"},
           {"[[material]] caries", "number 4, which is no material in", "KERF_ASSETS"}, 1, other);
-  // Nor would one that uses the number for something else: caries would be cut, and counted, as resin.
+  // The same for a table that reuses the number: caries would be cut, and counted, as resin.
   table.replace(table.find("id = \"caries\""), 13, "id = \"resin\"");
   table.replace(table.find("number = 44\n"), 11, "number = 4");
   std::ofstream(at("assets/materials.toml"), std::ios::binary) << table;
@@ -472,11 +472,11 @@ TEST_F(Cli, ACutAgainstResistanceIsRecordedAndReplaysBitForBit) {
     words.insert(words.end(), hand.begin(), hand.end());
     refuses(words, {"case.toml", "number 4, which is 'resin' in", "there 4 is 'caries'", "bake again"}, 1, other);
   }
-  // A spindle at rest cuts nothing; nothing is written.
+  // A spindle at rest cuts nothing, and nothing is written.
   refuses({"cut", at("molar.case"), "--tool", "round-014", "--path", cavity, "-o", at("x.run"), "--hand", "feed",
            "--spindle", "0"},
           {"cut nothing", "spindle"});
-  // Nor does a tool that is still on its way when the time is over: no word of the path's frame.
+  // Nor does a tool that has not arrived at the time limit: no message about the path's frame.
   refuses({"cut", at("molar.case"), "--tool", "round-014", "--path", cavity, "-o", at("x.run"), "--hand", "feed",
            "--time-limit", "0.02"},
           {"cut nothing within the time limit of 0.02 s", "Try: a longer --time-limit"});
@@ -490,8 +490,8 @@ TEST_F(Cli, ACutAgainstResistanceIsRecordedAndReplaysBitForBit) {
   refuses({"replay", at("gone.run")}, {"not a run"});
 }
 
-// A machine's feed goes on whatever is left standing. What the step counts and the surface that is left then say two
-// things, and both commands say so; of a cut that a hand makes neither says anything.
+// A machine's feed continues past uncut tissue. The step's count and the remaining surface then disagree, and both
+// commands warn. For a hand's cut neither warns.
 TEST_F(Cli, ACutThatWasFedThroughWhatItDidNotCutIsDoubtedAndSoIsItsExport) {
   folder_.write(
       "block.obj",
@@ -519,7 +519,7 @@ TEST_F(Cli, ACutThatWasFedThroughWhatItDidNotCutIsDoubtedAndSoIsItsExport) {
   EXPECT_TRUE(has(fed, "WARNING: fed faster than it can cut")) << fed.err;
   const Outcome in_part = cut("round-005", "part.run", {"--hand", "feed", "--time-limit", "1"});
   ASSERT_EQ(in_part.exit_code, 0) << in_part.err;
-  EXPECT_FALSE(has(in_part, "fed faster")) << in_part.err;  // its path is not finished: that says nothing
+  EXPECT_FALSE(has(in_part, "fed faster")) << in_part.err;  // an unfinished path proves nothing
   const Outcome doubted = exported("fed.run");
   ASSERT_EQ(doubted.exit_code, 0) << doubted.err;
   EXPECT_TRUE(has(doubted, "WARNING: while it was cut")) << doubted.err;
@@ -531,7 +531,7 @@ TEST_F(Cli, ACutThatWasFedThroughWhatItDidNotCutIsDoubtedAndSoIsItsExport) {
   ASSERT_EQ(trusted.exit_code, 0) << trusted.err;
   EXPECT_FALSE(has(trusted, "WARNING")) << trusted.err;
 
-  // Slowly enough, a machine's feed is not doubted either. Of a thin point it is told what follows on a path.
+  // A slow machine feed gets no warning either. For a thin point the message names the consequences on a path.
   folder_.write("plunge.toml",
                 "format = \"kerf-path\"\nversion = 1\nframe = \"object\"\nfeed = 0.05\n[start]\n"
                 "position = [0, 0, 0.05]\naxis = [0, 0, 1]\n[[stroke]]\nkind = \"plunge\"\ndepth = 0.4\n");
@@ -545,7 +545,7 @@ TEST_F(Cli, ACutThatWasFedThroughWhatItDidNotCutIsDoubtedAndSoIsItsExport) {
   EXPECT_TRUE(has(swept, "volumes may be off by a tenth. Bake with --voxel 0.1 or finer, or for the mesh alone"))
       << swept.err;
 
-  // Only penalty holds a point.
+  // Only penalty supports a point.
   const Outcome flame = cut("862-012", "flame.run", {"--hand", "force", "--push", "2", "--response", "impulse"});
   EXPECT_EQ(flame.exit_code, 1);
   EXPECT_TRUE(has(flame, "862-012 cut nothing") && has(flame, "Try: leave --response out")) << flame.err;
@@ -602,7 +602,7 @@ TEST_F(Cli, ADrillTurnedBackwardsTakesNothingAndATurbineRefuses) {
           {"--reverse", "--hand"}, 2);
 }
 
-// Along a groove out of one box, over a gap of 1 mm, into the next one, whose voxels are others.
+// Along a groove out of one box, over a gap of 1 mm, into the next one, which has other voxels.
 TEST_F(Cli, AToolThatLeavesItsToothCutsTheNeighbourWhichIsMeasuredToldReplayedAndExported) {
   makeCase();
   const auto boxAt = [&](const std::string& name, double shift, const std::string& voxel) {
@@ -640,7 +640,7 @@ TEST_F(Cli, AToolThatLeavesItsToothCutsTheNeighbourWhichIsMeasuredToldReplayedAn
   const json summary = json::parse(bytesOf(at("row.run/summary.json")));
   EXPECT_NEAR(summary["removed_mm3"].get<double>() + summary["remaining_mm3"].get<double>(),
               summary["initial_mm3"].get<double>(), 1e-6 * summary["initial_mm3"].get<double>());
-  // By geometry alone, deeper: what it takes of the neighbour is told, too.
+  // By geometry alone, deeper: the output includes the neighbour's removed volume.
   folder_.write(
       "deeper.toml",
       "format = \"kerf-path\"\nversion = 1\nframe = \"object\"\nfeed = 1.0\n[start]\nposition = [0, 0, -0.7]\n"
@@ -665,7 +665,8 @@ TEST_F(Cli, AToolThatLeavesItsToothCutsTheNeighbourWhichIsMeasuredToldReplayedAn
   EXPECT_NEAR(summary["least_distance_mm"]["beside_1"].get<double>(), -0.35, 0.01);
   EXPECT_FALSE(summary["least_distance_mm"].contains("beside_2"));
 
-  // The columns: the distance falls as the tool comes, what was cut off grows, the ledger of the case stands still.
+  // The columns: the distance falls as the tool approaches, the severed volume grows, the ledger of the case stays
+  // constant.
   std::istringstream rows(bytesOf(at("row.run/forces.csv")));
   std::string row, first, last;
   std::getline(rows, row);
@@ -693,7 +694,7 @@ TEST_F(Cli, AToolThatLeavesItsToothCutsTheNeighbourWhichIsMeasuredToldReplayedAn
   EXPECT_TRUE(again["is_same"].get<bool>());
   EXPECT_NEAR(again["removed_mm3"].get<double>(), summary["removed_mm3"].get<double>() + lost, 1e-9);
 
-  // The case's mesh, and the neighbour's own, both exact; what is not in the first is said.
+  // The case's mesh and the neighbour's own, both exact. A message names the part missing from the first.
   const Outcome exported = runKerf({"export", at("row.run"), "-o", at("row.stl"), "--json"});
   EXPECT_NE(exported.err.find("--beside 1"), exported.err.npos) << exported.err;
   EXPECT_NEAR(parsed(exported)["removed_volume_mm3"].get<double>(), summary["removed_mm3"].get<double>(), 0.15);
@@ -707,7 +708,7 @@ TEST_F(Cli, AToolThatLeavesItsToothCutsTheNeighbourWhichIsMeasuredToldReplayedAn
   refuses({"export", at("row.run"), "--beside", "3", "-o", at("x.stl")}, {"beside_3", "1 to 2"});
   refuses({"export", at("box.case"), "--beside", "1", "-o", at("x.stl")}, {"beside_1", "--beside OTHER.case"});
 
-  // A drive that is to start deep in two things at once would not.
+  // A drive that starts deep in two objects at once would stall.
   folder_.write("across.toml",
                 "format = \"kerf-path\"\nversion = 1\nframe = \"object\"\n[start]\nposition = [0, 0, 0.5]\n"
                 "axis = [0, 0, 1]\n[[stroke]]\nkind = \"line\"\nby = [0, 0, -0.7]\n");
@@ -728,7 +729,7 @@ TEST_F(Cli, AToolThatLeavesItsToothCutsTheNeighbourWhichIsMeasuredToldReplayedAn
   refuses({"cut", at("box.case"), "--tool", "round-014", "--path", at("across.toml"), "-o", at("x.run"), "--beside",
            at("next.case")},
           {"--beside", "--hand"}, 2);
-  // A neighbour that is gone, or another one: no replay, and what to do. The case's own mesh needs none.
+  // A missing or different neighbour: no replay, and advice. The case's own mesh needs no neighbour.
   std::filesystem::rename(at("next.case"), at("gone.case"));
   refuses({"replay", at("row.run")}, {"beside_1", "no case at ../next.case", "move it back"});
   refuses({"export", at("row.run"), "--beside", "1", "-o", at("x.stl")}, {"beside_1", "../next.case"});
@@ -738,7 +739,7 @@ TEST_F(Cli, AToolThatLeavesItsToothCutsTheNeighbourWhichIsMeasuredToldReplayedAn
   refuses({"replay", at("row.run")}, {"beside_1", "case_id"});
 }
 
-// As a device records it: 20 000 poses of a groove of 4 mm.
+// As recorded by a device: 20 000 poses of a groove of 4 mm.
 TEST_F(Cli, APathOfManyRowsIsSweptAndMeasuredInFewMotionsAndPlannedAsItIsCut) {
   folder_.write("box.off", box());
   ASSERT_EQ(runKerf({"bake", at("box.off"), "--unit", "mm", "-o", at("box.case"), "--voxel", "0.1"}).exit_code, 0);
@@ -768,12 +769,12 @@ TEST_F(Cli, APathOfManyRowsIsSweptAndMeasuredInFewMotionsAndPlannedAsItIsCut) {
   EXPECT_LT(wall["max_mm"].get<double>(), 0.05);
   EXPECT_LT(exported.processor_seconds, 20) << "a vertex asks few of the motions";
 
-  // What the path asks for is counted along the same motions.
+  // The planned volume is counted along the same motions.
   const json planned = cut("hand.run", {"--hand", "feed", "--drive", "electric"});
   EXPECT_EQ(planned["planned_mm3"], made["removed_mm3"]);
 }
 
-// Where the memory of a mesh lies must not be seen in it: other words on the command line, other habits of malloc.
+// Memory addresses must not affect a mesh: other words on the command line, other settings of malloc.
 TEST_F(Cli, AnExportIsTheSameBytesWhereverItsMeshesLieInMemory) {
   makeRun();
   std::string first;
@@ -810,7 +811,7 @@ TEST_F(Cli, WhatIsAddedIsPartOfTheExportedSolidAndTheRestIsAsItWas) {
       parsed(runKerf({"export", at("ridge.run"), "-o", at("ridge.stl"), "-o", at("ridge.ply"), "--json"}));
   EXPECT_EQ(solid["pieces"], 1);
   EXPECT_NEAR(solid["removed_volume_mm3"].get<double>(), 0, 1e-3);
-  // The mesh is made of what the step added; the surface it covers is good to some tenths of a voxel.
+  // The mesh contains the material added by the step. The surface that it covers is exact to some tenths of a voxel.
   EXPECT_NEAR(solid["added_volume_mm3"].get<double>(), added["added_mm3"].get<double>(),
               0.03 * added["added_mm3"].get<double>());
   EXPECT_GT(solid["source_vertices_kept"].get<int>(), 9 * solid["source_vertices_removed"].get<int>());
@@ -902,7 +903,7 @@ TEST_F(Cli, ToolsAreListedCheckedAndBaked) {
     EXPECT_GT(std::filesystem::file_size(in(file)), 0u) << file;
 }
 
-// CONTRIBUTING.md's promise: a bur that exists nowhere else is one text file, and goes all the way.
+// CONTRIBUTING.md's promise: a new bur is one text file, and passes the full chain.
 TEST_F(Cli, ANewBurIsOneTextFileFromDrawingToCut) {
   makeCase();
   folder_.write("bobbin.toml", R"(format = "kerf-tool"
@@ -954,7 +955,7 @@ TEST_F(Cli, SeveralToolsAreCheckedInATable) {
             std::string::npos);
 }
 
-// The whole chain twice, then on one core: same id, same state, same exported bytes.
+// The full chain twice, then on one core: same id, same state, same exported bytes.
 TEST_F(Cli, TheSameInputsGiveTheSameBytesOnAnyNumberOfThreads) {
   ASSERT_EQ(runKerf({"demo-molar", "--edge", "0.6", "-o", at("molar.stl")}).exit_code, 0);
   const std::string cavity = std::string(KERF_SOURCE_DIR) + "/assets/paths/demo-cavity.toml";

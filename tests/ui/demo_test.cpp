@@ -1,4 +1,4 @@
-// kerf demo: anatomy of Kerf's own making, as a user asks for it.
+// kerf demo: Kerf's own anatomy, requested as a user does.
 #include <map>
 #include <nlohmann/json.hpp>
 

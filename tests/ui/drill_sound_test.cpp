@@ -18,7 +18,7 @@ constexpr double kRate = SoundOutput::kRate;
 constexpr std::size_t kBlock = 256;
 constexpr double kRadPerSecond = 2 * std::numbers::pi / 60;  // of one turn per minute
 
-// A carbide bur with six blades, half as loud as can be.
+// A carbide bur with six blades at half volume.
 DrillSoundInput bur(double rpm, double load, double nominal_rpm) {
   DrillSoundInput out;
   out.source = {ToolMotion::kSpin, 1 / (2 * std::numbers::pi), nominal_rpm / 60, 6};
@@ -60,7 +60,7 @@ double powerAt(std::span<const float> x, double frequency) {
   return re * re + im * im;
 }
 
-// The strongest frequency within a fifth of one.
+// The strongest frequency within a fifth of a given one.
 double pitchNear(std::span<const float> x, double frequency) {
   double best = 0, most = 0;
   for (double f = 0.8 * frequency; f < 1.2 * frequency; f += 0.001 * frequency)
@@ -78,7 +78,7 @@ TEST(DrillSound, ItsPitchIsTheSpeedOfTheDrive) {
     const auto steady = heard(sound, bur(rpm, 0, 380'000), 0.5);
     EXPECT_NEAR(pitchNear(steady, rpm / 60), rpm / 60, 0.01 * rpm / 60) << rpm;
 
-    // It falls under load, and the pitch with it.
+    // The speed falls under load, and the pitch with it.
     (void)heard(sound, bur(0.7 * rpm, 0.2, 380'000), 0.12);
     EXPECT_NEAR(sound.frequency(), 0.7 * rpm / 60, 0.01 * 0.7 * rpm / 60) << rpm;
     const auto loaded = heard(sound, bur(0.7 * rpm, 0.2, 380'000), 0.5);
@@ -110,13 +110,13 @@ TEST(DrillSound, WithThePedalUpItFadesToNothing) {
   for (std::size_t n = fade; n < end.size(); ++n) ASSERT_EQ(end[n], 0) << n;
   EXPECT_TRUE(sound.isSilent());
 
-  // Muted is silent too.
+  // Muted means silent.
   in = bur(380'000, 0.5, 380'000);
   in.volume = 0;
   EXPECT_EQ(rms(heard(sound, in, 0.1)), 0);
 }
 
-// Whatever happens, no sample is farther from the one before than in the loudest steady sound around it.
+// In any situation, the step between two samples is at most that of the loudest steady sound around it.
 TEST(DrillSound, NothingClicks) {
   const DrillSoundInput loud = bur(40'000, 0, 40'000);
   DrillSoundInput other = bur(20'000, 0, 20'000), quiet = loud, off = loud;
@@ -156,7 +156,7 @@ TEST(DrillSound, NumbersThatAreNoneAreSilentOrBounded) {
         in.volume = volume;
         for (const float sample : heard(sound, in, 0.01)) ASSERT_TRUE(std::abs(sample) <= 1.0f) << speed << " " << load;
       }
-  // Nothing of it stays.
+  // No sound remains.
   (void)heard(sound, bur(40'000, 0, 40'000), 0.3);
   EXPECT_NEAR(sound.frequency(), 40'000 / 60.0, 7);
 }

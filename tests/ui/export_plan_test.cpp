@@ -158,7 +158,7 @@ TEST_F(ExportPlanTest, NothingIsReplacedAtTheFirstWord) {
   ASSERT_TRUE(play("wait\n")) << allNotices();
   EXPECT_GT(fs::file_size(besideScan("bar-cut.stl")), 4u);
 
-  // The scan itself never.
+  // The scan itself is never replaced.
   const auto before = sha256OfFile(scan());
   EXPECT_FALSE(play("export.to \"" + scan().string() + "\"\nexport.write replace\nwait\n"));
   EXPECT_EQ(*sha256OfFile(scan()), *before);
@@ -199,7 +199,7 @@ TEST_F(ExportPlanTest, OnePieceOfSeveralIsNotTheCut) {
   EXPECT_FALSE(bench_.hasUnexportedCut());
 }
 
-// What is chosen while a file is written does not make the file unwritten.
+// A choice made during a write does not undo the write.
 TEST_F(ExportPlanTest, AFileThatIsWrittenIsToldWhateverWasChosenMeanwhile) {
   ASSERT_TRUE(play(open() + sawThrough() + "export.show\nwait\n")) << allNotices();
   plan_.write();
@@ -212,7 +212,7 @@ TEST_F(ExportPlanTest, AFileThatIsWrittenIsToldWhateverWasChosenMeanwhile) {
   EXPECT_FALSE(plan_.written()) << "of what is chosen now nothing is written";
   EXPECT_EQ(plan_.stage(), Stage::kReady) << "it is checked";
 
-  // The same for another name.
+  // The same for a changed name.
   plan_.write();
   ASSERT_TRUE(bench_.job());
   plan_.setName("other.stl");
@@ -222,7 +222,8 @@ TEST_F(ExportPlanTest, AFileThatIsWrittenIsToldWhateverWasChosenMeanwhile) {
   EXPECT_FALSE(plan_.isDone()) << "other.stl is not written";
 }
 
-// Chosen otherwise while it is checked, and Enter at once: it is written as soon as what is chosen now is checked.
+// The choice changes during its check, and Enter follows at once: the file is written as soon as the new choice is
+// checked.
 TEST_F(ExportPlanTest, WhatIsAskedForWhileAnOldCheckEndsIsWrittenAfterTheNextOne) {
   ASSERT_TRUE(play(open() + sawThrough())) << allNotices();
   plan_.show({});
@@ -236,7 +237,7 @@ TEST_F(ExportPlanTest, WhatIsAskedForWhileAnOldCheckEndsIsWrittenAfterTheNextOne
   EXPECT_FALSE(fs::exists(besideScan("bar-cut.stl")));
 }
 
-// Checked with two pieces, and then there are three: the file of the third was never named.
+// Checked with two pieces, then there are three: the user has not seen the name of the third file.
 TEST_F(ExportPlanTest, AFileThatWasNotNamedIsNotReplaced) {
   const auto names = [&] {
     std::vector<std::string> out;
@@ -269,7 +270,7 @@ TEST_F(ExportPlanTest, AFileThatWasNotNamedIsNotReplaced) {
   EXPECT_GT(fs::file_size(third), 4u) << "asked for a second time";
 }
 
-// Pieces that reach into each other are not ready: who has read that may have them all the same.
+// Overlapping pieces are not ready. A user who has read this may export them.
 TEST_F(ExportPlanTest, WhatIsNotReadyIsNotWrittenBeforeSomebodyHasReadSo) {
   ASSERT_TRUE(play(open() + sawThrough() + "piece.move 1.5 0.2 0.1 2\nwait 0.2\n")) << allNotices();
   const auto blind = play("export.show\nexport.write\nwait\n");
@@ -279,7 +280,7 @@ TEST_F(ExportPlanTest, WhatIsNotReadyIsNotWrittenBeforeSomebodyHasReadSo) {
   EXPECT_EQ(plan_.stage(), Stage::kDoubtful);
   EXPECT_NE(allFindings().find("reach into each other"), std::string::npos) << allFindings();
 
-  // A script would end at the error that was said; a person goes on.
+  // A script would end at that error; a person continues.
   const auto finish = [&] {
     do bench_.update();
     while (bench_.job());
@@ -310,7 +311,7 @@ TEST_F(ExportPlanTest, TheWindowIsNotKeptAndACheckPutAwayLeavesNothing) {
 }
 
 TEST_F(ExportPlanTest, ItIsWrittenWhereAUserLooksForIt) {
-  // Beside the scan; if that takes no files, where files were written last.
+  // Beside the scan; if that folder is not writable, in the last export folder.
   fs::create_directories(folder_.path() / "last");
   fs::permissions(scan().parent_path(), fs::perms::owner_read | fs::perms::owner_exec);
   ASSERT_TRUE(play(open()));
@@ -323,7 +324,7 @@ TEST_F(ExportPlanTest, ItIsWrittenWhereAUserLooksForIt) {
   EXPECT_EQ(plan_.file(), besideScan("bar-cut.stl"));
   plan_.hide();
 
-  // Of what the program itself keeps: never in its folders.
+  // For files in the program's own folders: never there.
   const fs::path kept = fs::directory_iterator(folder_.path() / "data" / "cases")->path();
   ASSERT_TRUE(play("wait\nfile.close\nwait\nfile.open \"" + kept.string() + "\"\nwait\n")) << allNotices();
   plan_.show(folder_.path() / "last");

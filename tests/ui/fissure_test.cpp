@@ -1,9 +1,8 @@
-// By mouse on a tooth: a groove along a fissure of the demo molar, a button that is held still, what one newton
-// removes.
+// Mouse strokes on a tooth: a groove along a fissure of the demo molar, a held button, the removal at one newton.
 //
-// The whole way from the cursor's pixel to the field, in lockstep: ray, stroke, MouseHand, the step. What is measured
-// is the field that is left against the one that was loaded: on lines along the stroke's axis, the way from the first
-// tissue as loaded to the first tissue that is left. That is the depth a person sets, and what they would probe.
+// The full path from the cursor's pixel to the field, in lockstep: ray, stroke, MouseHand, the step. The tests compare
+// the remaining field with the loaded one: on lines along the stroke's axis, the distance from the first loaded tissue
+// to the first remaining tissue. That is the depth set by a person, and the depth of a probe.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -31,7 +30,7 @@ using Vec2d = Eigen::Vector2d;
 constexpr double kVoxel = 0.1;                // mm
 constexpr int kWidth = 800, kHeight = 600;    // of the picture, pixels
 constexpr double kFissure = 2.9;              // mm, of onFissure()
-constexpr double kStep = 0.1, kToStep = 0.1;  // a cursor that goes 1 mm a second: mm, s
+constexpr double kStep = 0.1, kToStep = 0.1;  // a cursor at 1 mm a second: mm, s
 
 // The chewing surface of the demo molar, 5 mm of the crown below it.
 std::shared_ptr<const BakedObject> chewingSurface() {
@@ -48,14 +47,14 @@ std::shared_ptr<const BakedObject> chewingSurface() {
   return *baked;
 }
 
-// A way along the central fissure, from the mesial to the distal end of its middle part: x, y.
+// A path along the central fissure, from the mesial to the distal end of its middle part: x, y.
 Vec2d onFissure(double part) {
   const Vec2d ends[] = {{1.4, -0.45}, {0.15, -0.05}, {-1.4, -0.45}};
   const double at = 2 * std::clamp(part, 0.0, 1.0);
   return at < 1 ? Vec2d(ends[0] + at * (ends[1] - ends[0])) : Vec2d(ends[1] + (at - 1) * (ends[2] - ends[1]));
 }
 
-// A person at the mouse who looks at the tooth from above, and the window behind it.
+// A person at the mouse with a view of the tooth from above, and the window behind it.
 class Chair {
  public:
   Chair(Model model, const Tool& tool, std::shared_ptr<const BakedObject> tooth)
@@ -112,11 +111,11 @@ class Chair {
   const Vec3d& axis() const { return stroke_->axis(); }
   const BrickField& loaded() const { return tooth_->phi0(); }
   BrickField left() { return scenes::currentField(session_.object(0)); }
-  // On the surface as loaded, under the place.
+  // On the loaded surface, under the place.
   Vec3d surfaceAt(const Vec2d& at) const { return stroke_->pointerOf(rayAt(at)); }
-  // Of what goes first of the tool.
+  // The tool's foremost point.
   Vec3d front() const { return out.T_world_tool * Vec3d(plunge_.reach * plunge_.direction); }
-  // Of that below the surface as loaded, along the axis.
+  // Its depth below the loaded surface, along the axis.
   std::optional<double> depth() const { return depthBelow(loaded(), front(), axis()); }
 
   StepOutput out;
@@ -131,7 +130,7 @@ class Chair {
       if (v[2] < 4) head.vertices.push_back(v);
     return head;
   }
-  // Through the pixel, as the cursor's.
+  // Through the pixel, like the cursor's ray.
   Ray rayAt(const Vec2d& place) const {
     const auto pixel = pixelOf(camera_, {place[0], place[1], camera_.target[2]}, kWidth, kHeight);
     return rayUnder(camera_, pixel[0], pixel[1], kWidth, kHeight);
@@ -148,7 +147,7 @@ class Chair {
   std::optional<Stroke> stroke_;
 };
 
-// How deep a line along the axis is cut, mm: from the first tissue as loaded to the first that is left.
+// Cut depth on a line along the axis, mm: from the first loaded to the first remaining tissue.
 std::optional<double> depthOfCut(const BrickField& loaded, const BrickField& left, const Vec3d& through,
                                  const Vec3d& axis) {
   constexpr double kAbove = 4;
@@ -170,7 +169,7 @@ class Fissure : public testing::Test {
     EXPECT_TRUE(tool) << id;
     return std::move(*tool);
   }
-  // As the window's session has it.
+  // As in the window's session.
   static Model modelOf(const Tool& tool) {
     auto model = makeModel(std::span(&tool, 1), LiveRunOptions{}.step);
     EXPECT_TRUE(model) << model.error().message();
@@ -182,12 +181,11 @@ class Fissure : public testing::Test {
 
 // To and fro along the fissure.
 struct Groove {
-  double deepest = 0;      // that the tool ever was, mm
-  std::vector<Vec3d> way;  // of what goes first of the tool, on the last two passes
+  double deepest = 0;      // maximum depth of the tool, mm
+  std::vector<Vec3d> way;  // of the tool's foremost point, on the last two passes
 };
 
-/// @param begins  where the button goes down: part of the fissure.   @param layers  mm: so much deeper each pass; 0: at
-/// once.
+/// @param begins  start of the stroke: share of the fissure.   @param layers  mm of depth per pass; 0: all at once.
 Groove cutGroove(Chair& chair, double begins, int passes, double limit, double layers) {
   Groove out;
   const auto look = [&] {
@@ -212,7 +210,7 @@ Groove cutGroove(Chair& chair, double begins, int passes, double limit, double l
   return out;
 }
 
-// As a person does it: in layers, until there is nothing left to take where the bur gets to.
+// In layers, like a person, until nothing remains within the bur's reach.
 TEST_F(Fissure, AGrooveWithALimitOfAMillimetreStaysWithinATenthOfIt) {
   constexpr double kLimit = 1, kWithin = 0.1;
   constexpr int kPasses = 18;
@@ -239,8 +237,8 @@ TEST_F(Fissure, AGrooveWithALimitOfAMillimetreStaysWithinATenthOfIt) {
   }
 }
 
-// At once, with a cursor that is far ahead of what the bur can cut: down a slope the surface is lower where the cursor
-// is than where the tool still is.
+// At once, with a cursor far ahead of the bur. On a slope downwards the surface is lower at the cursor than at the
+// tool.
 TEST_F(Fissure, PulledAheadTheToolStaysAboveTheLimitWhereItIs) {
   constexpr double kLimit = 1, kPassed = 0.05;
   const Tool bur = toolOf("round-010");

@@ -7,7 +7,7 @@
 namespace kerf::font_test {
 namespace {
 
-// Letters as names of patients and files have them; a character that is missing would be drawn as a box or "?".
+// Letters in names of patients and files. A missing character would appear as a box or "?".
 TEST(Font, WhatPeopleWriteInTheListedScriptsCanBeDrawn) {
   ImFontAtlas atlas;
   if (!addFont(atlas, 15)) GTEST_SKIP() << "WARNING: neither Inter nor DejaVu is installed (Debian: fonts-inter)";

@@ -1,4 +1,4 @@
-// The gamepad or joystick of the window, on devices that SDL simulates.
+// The window's gamepad or joystick, on devices simulated by SDL.
 #include "ui/app/game_controller.h"
 
 #include <SDL2/SDL.h>
@@ -20,7 +20,7 @@ int onRumble(void* user, Uint16 strong, Uint16 weak) {
   return 0;
 }
 
-// A device that SDL simulates, plugged in as long as it lives.
+// A device simulated by SDL, plugged in for its lifetime.
 class Simulated {
  public:
   Simulated(SDL_JoystickType type, const char* name, int axes, int buttons, int hats, Motors* motors = nullptr,

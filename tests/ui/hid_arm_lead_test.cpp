@@ -1,5 +1,5 @@
-// The window's arm on HID, through the system's hidapi: it leads the workbench's tool, is unplugged in the middle of a
-// cut, comes back. Skipped where umockdev is not preloaded.
+// The window's HID arm, through the system's hidapi: it leads the workbench's tool, is unplugged during a cut, and
+// returns. Skipped where umockdev is not preloaded.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -26,9 +26,9 @@ namespace fs = std::filesystem;
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-constexpr int kForceless = 20 + 2;  // steps of an arm: its deadline, the one that is under way, a frame on its way
+constexpr int kForceless = 20 + 2;  // steps of an arm: its deadline, the current step, a frame in transit
 
-// From 1.5 mm over the block down into it, and there round and round.
+// From 1.5 mm over the block down into it, then in circles.
 CutPath presses() {
   CutPath path;
   const auto go = [&](double t, const Vec3d& p) { path.poses.push_back({t, {Eigen::Quaterniond::Identity(), p}}); };
@@ -40,7 +40,7 @@ CutPath presses() {
   return path;
 }
 
-// An arm that is plugged in, and lives by its own clock.
+// A plugged-in arm with its own clock.
 class PluggedArm {
  public:
   PluggedArm(HidTestbed& bed, const SimulatedHid& what) : bed_(bed), what_(what) {
@@ -66,7 +66,7 @@ class PluggedArm {
     const std::lock_guard lock(mutex_);
     return body_->mostForce();
   }
-  /// @return  for how many of its steps it went on giving force.
+  /// @return  number of its steps with continued force.
   int unplug() {
     const std::lock_guard lock(mutex_);
     is_plugged_ = false;
@@ -145,7 +145,7 @@ TEST_F(HidArmLead, UnpluggedMidCutLosesNothingAndLeadsAgainWhenItIsPluggedIn) {
   ASSERT_TRUE(run("device.arm")) << bench_->arm().view().missing;
   ASSERT_TRUE(until([&] { return bench_->removedMm3() > 0.05 && first.force().norm() > 0.05; }));
 
-  // It is pulled out while it cuts and is felt.
+  // Unplugged during a cut with force.
   const double removed = bench_->removedMm3();
   EXPECT_LE(first.unplug(), kForceless);
   ASSERT_TRUE(until([&] { return !bench_->isLed(); })) << "it is gone: the mouse leads";
@@ -158,7 +158,7 @@ TEST_F(HidArmLead, UnpluggedMidCutLosesNothingAndLeadsAgainWhenItIsPluggedIn) {
   ASSERT_TRUE(until([&] { return bench_->removedMm3() > removed + 0.02; })) << "by the mouse";
   bench_->release();
 
-  // Plugged in again, at another node: by its serial number it is the same one.
+  // Plugged in again, at another node: its serial number identifies it.
   SimulatedHid again = raw_;
   again.port = 2;
   again.first_node = 1;

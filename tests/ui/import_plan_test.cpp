@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 class ImportPlanTest : public testing::Test {
  protected:
-  // A block of 6 x 4 x 3 mm without its underside, as a scan is; or whole.
+  // A block of 6 x 4 x 3 mm, without its underside like a scan, or whole.
   fs::path block(bool is_closed = false, double scale = 1) const {
     Mesh mesh = test::blockMesh(is_closed);
     for (Vec3d& p : mesh.vertices) p *= scale;
@@ -71,7 +71,7 @@ TEST_F(ImportPlanTest, SaysWhatWasFoundInATechniciansWords) {
 }
 
 TEST_F(ImportPlanTest, AUnitChangesTheSizeAndNothingIsScaledSilently) {
-  ImportPlan plan = planOf(block(false, 0.1));  // 0.6 x 0.4 x 0.3 of something: cm or inches
+  ImportPlan plan = planOf(block(false, 0.1));  // 0.6 x 0.4 x 0.3 of an unknown unit: cm or inches
   const UnitOption cm = plan.units()[1];
   EXPECT_EQ(cm.unit, "cm");
   EXPECT_TRUE(cm.is_plausible);
@@ -93,7 +93,7 @@ TEST_F(ImportPlanTest, AUnitChangesTheSizeAndNothingIsScaledSilently) {
 TEST_F(ImportPlanTest, ThePreviewIsTheSolidThatTheChoicesGive) {
   ImportPlan plan = planOf(block());
   ClosingChoice straight = plan.closing();
-  straight.smooth_mm = 0;  // a volume that a formula gives
+  straight.smooth_mm = 0;  // a volume with a formula
   ASSERT_TRUE(plan.setClosing(straight));
   work(plan);
   ASSERT_TRUE(plan.preview()) << plan.previewError()->message();
@@ -103,7 +103,7 @@ TEST_F(ImportPlanTest, ThePreviewIsTheSolidThatTheChoicesGive) {
   EXPECT_NEAR(plan.preview()->base_level_mm, 5, 1e-5);
   EXPECT_TRUE(plan.preview()->is_exact);
 
-  // Another choice outdates it at once; the next one is of that choice.
+  // A new choice outdates it at once. The next result belongs to the new choice.
   ClosingChoice thick = plan.closing();
   thick.base_mm = 4;
   ASSERT_TRUE(plan.setClosing(thick));
@@ -112,7 +112,7 @@ TEST_F(ImportPlanTest, ThePreviewIsTheSolidThatTheChoicesGive) {
   ASSERT_TRUE(plan.preview());
   EXPECT_NEAR(plan.preview()->volume_mm3, 6 * 4 * (3 + 4), 1e-3);
 
-  // The voxel size leaves the solid as it is.
+  // The voxel size does not affect the solid.
   ASSERT_TRUE(plan.setVoxel(0.2));
   EXPECT_TRUE(plan.preview());
 }
@@ -170,13 +170,13 @@ TEST(Predict, FourTimesTheVoxelsForHalfTheSize) {
   EXPECT_NEAR(fine.surface_triangles / coarse.surface_triangles, 4, 1e-9);
   EXPECT_GT(fine.seconds, coarse.seconds);
   EXPECT_GT(fine.bytes, coarse.bytes);
-  // A scan of an upper arch, 5108 mm2 closed, at 0.1 mm took 3.6 s and 728 MB, its closing 0.6 s of that.
+  // A scan of an upper arch, 5108 mm2 closed, at 0.1 mm took 3.6 s and 728 MB, with 0.6 s for closing.
   const Prediction arch = predict(5108, 0.1, 0.6);
   EXPECT_NEAR(arch.bytes / 728e6, 1, 0.15);
   EXPECT_NEAR(arch.surface_triangles / 1.367e6, 1, 0.15);
 }
 
-// ---- By commands, as the window does it
+// ---- By commands, as in the window
 
 class ImportCommandsTest : public ImportPlanTest {
  protected:

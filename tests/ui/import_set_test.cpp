@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 class ImportSetTest : public testing::Test {
  protected:
-  // A block of 6 x 4 x 3 mm without its underside, as a scan is, its middle at x.
+  // A block of 6 x 4 x 3 mm without its underside, like a scan, with its middle at x.
   fs::path block(const std::string& name, double x) const {
     Mesh mesh = test::blockMesh(false);
     for (Vec3d& p : mesh.vertices) p[0] += x;
@@ -83,7 +83,7 @@ TEST_F(ImportSetTest, OfSeveralScansOneIsCutAndTheOthersStandBesideAsChosen) {
   EXPECT_EQ(entries[1].role, ImportRole::kBeside);
   EXPECT_EQ(bench.importSet()->chosen(), 0u);
 
-  // Each has its own remedies; one is cut at any time.
+  // Each scan has its own remedies. Exactly one scan is the work object.
   mustPlay(bench, "import.role 2 cut\nimport.role 3 out\nimport.choose 1\nimport.base full 5\nimport.voxel 0.2\n");
   EXPECT_EQ(entries[0].role, ImportRole::kBeside);
   EXPECT_EQ(bench.importSet()->cut()->file.stem(), "35");
@@ -268,8 +268,7 @@ TEST(TissueByName, TheMoreSpecialWordCounts) {
   EXPECT_EQ(tissueByName(""), Material::kGeneric);
 }
 
-// `kerf-sim --voxel 0.3 --unit mm` is said of all that is opened: a recipe has no panel in which it could be said
-// again.
+// `kerf-sim --voxel 0.3 --unit mm` applies to all opened files: a recipe has no panel to repeat the settings.
 TEST_F(ImportSetTest, ARecipeAmongSeveralFilesIsPreparedAsTheProgramWasTold) {
   volume(kNames);
   const fs::path recipe =
@@ -293,7 +292,7 @@ TEST_F(ImportSetTest, ARecipeAmongSeveralFilesIsPreparedAsTheProgramWasTold) {
 
 // ---- Folders
 
-// As a CT leaves a viewer: a folder of slices. Its labels are read as those of a file.
+// CT viewers export a folder of slices. Its labels are read like those of a file.
 TEST_F(ImportSetTest, AFolderOfDicomSlicesIsLookedAtAndCut) {
   const fs::path slices = folder_.path() / "segmented";
   fs::create_directories(slices);

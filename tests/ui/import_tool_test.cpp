@@ -1,4 +1,4 @@
-// A mesh that was dropped becomes a tool: the guess that is shown, the files, the rack, a hole.
+// A dropped mesh becomes a tool: the displayed guess, the files, the rack, a hole.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -118,7 +118,7 @@ TEST_F(ImportToolTest, VerticesThatNoTriangleHasDoNotSpoilTheGuess) {
   EXPECT_TRUE(readTool(toolFolder() / "bur.toml")) << said();
 }
 
-// A contra-angle: its bur is along no axis of the file, nor along its length.
+// A contra-angle: its bur follows no axis of the file, nor its length.
 TEST_F(ImportToolTest, AThinEndIsFoundWhicheverWayItPoints) {
   const Vec3d axis = Vec3d(0.42, 0.1, -0.9).normalized();
   Mesh mesh = turned({{0, 0.05}, {1.2, 0.9}, {4, 0.9}, {4.5, 4}, {12, 4}}, {1, 2, 3}, axis);
@@ -166,7 +166,7 @@ TEST_F(ImportToolTest, WithNothingOpenItWaitsInTheRackAndIsThereTheNextTime) {
   EXPECT_FALSE(bench_.isOpen());
   EXPECT_FALSE(bench_.isImporting());
   EXPECT_NE(said().find("bur is in the rack"), std::string::npos) << said();
-  // The same once more: another name, and no file is written over.
+  // The same again: another name, and no overwritten file.
   mustPlay("import.read " + file + "\nwait\nimport.role 1 tool\nimport.start\nwait\n");
   EXPECT_TRUE(fs::exists(toolFolder() / "bur.toml") && fs::exists(toolFolder() / "bur-2.toml"));
   mustPlay("file.open " + written("scan.ply", test::blockMesh(false)) + "\nwait\ntool.select bur\n");
@@ -185,7 +185,7 @@ TEST_F(ImportToolTest, WithNothingOpenItWaitsInTheRackAndIsThereTheNextTime) {
   while (again.job()) again.update();
 }
 
-// Of two tools with one id the rack shows the catalogue's: the other one would be gone at the next start.
+// If two tools have one id, the rack shows the catalogue's: the other one would be gone at the next start.
 TEST_F(ImportToolTest, AnIdOfTheCatalogueOrOfTheRackIsNotTakenAgain) {
   // In the catalogue, but not in this rack.
   mustPlay("import.read " + written("us-330.stl", handpiece()) + "\nwait\nimport.role 1 tool\nimport.start\nwait\n");
@@ -214,7 +214,7 @@ TEST_F(ImportToolTest, WhenOneOfTwoFailsNoneIsLeft) {
   EXPECT_TRUE(bench_.isImporting()) << "for another try";
   EXPECT_TRUE(!fs::exists(toolFolder()) || fs::is_empty(toolFolder()));
 
-  // A script would end at the error that was said; a person goes on.
+  // A script would end at that error; a person continues.
   ASSERT_TRUE(bench_.importPlan()->setUnit("mm"));
   bench_.startImport();
   do bench_.update();
@@ -289,7 +289,7 @@ TEST_F(ImportToolTest, AScanThatIsDroppedMayStandBesideWhatIsOpen) {
   EXPECT_EQ(bench_.neighbours()[0].name, "35");
 }
 
-// Undo reaches as far as before, too.
+// Undo reaches as far as before.
 TEST_F(ImportToolTest, WithEveryFileLeftOutWhatIsOpenGoesOnAsItIs) {
   mustPlay("file.open " + written("36.ply", test::blockMesh(false)) + "\nwait\n");
   const std::uint64_t before = bench_.generation();

@@ -9,7 +9,7 @@
 namespace kerf::job_test {
 namespace {
 
-// Until it says so.   @return  false: not within a minute.
+// Waits for a condition.   @return  false: not within a minute.
 template <class Truth>
 bool comesTrue(const Truth& is_true) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
@@ -18,7 +18,7 @@ bool comesTrue(const Truth& is_true) {
   return is_true();
 }
 
-// Reports so much and waits for its end.
+// Reports a progress and waits for its end.
 Job<int> heldAt(double done, const std::atomic<bool>& may_end) {
   return Job<int>("held", [done, &may_end](const Progress& progress) -> Expected<int> {
     while (!may_end)
@@ -43,7 +43,7 @@ TEST(Job, TheTimeLeftIsThatOfItsPaceAndNotGuessedTooEarly) {
   EXPECT_EQ(*job.take(), 7);
   EXPECT_TRUE(job.isOver());
 
-  // Of what has hardly begun nothing can be said.
+  // A job that has just begun gives no estimate.
   std::atomic<bool> other_may_end{false};
   Job<int> begun = heldAt(0.01, other_may_end);
   ASSERT_TRUE(comesTrue([&] { return begun.status().seconds > 1; }));

@@ -1,4 +1,4 @@
-// The program kerf-sim, run as a user runs it.
+// The program kerf-sim, run as a user does.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -50,7 +50,7 @@ class KerfSim : public ::testing::Test {
   void TearDown() override { fs::remove_all(folder_); }
   fs::path mesh() const { return folder_ / "solid.off"; }
   fs::path png() const { return folder_ / "picture.png"; }
-  /// Without a display, whatever the test was started under.
+  /// Without a display, even if the test has one.
   Outcome picture(const std::string& arguments) const {
     return shell(fmt::format("env -u DISPLAY -u WAYLAND_DISPLAY {} --screenshot '{}' --size 96x64 {}", kProgram,
                              png().string(), arguments));
@@ -73,7 +73,7 @@ TEST_F(KerfSim, AFilmIsThatOfAReplay) {
   EXPECT_NE(missing.text.find("none.run"), std::string::npos) << missing.text;
 }
 
-// A groove along the mesh, and a picture of every half second of it.
+// A groove along the mesh, and a picture every half second.
 TEST_F(KerfSim, AFilmShowsTheCutGrowAndIsTheSameTwice) {
   const std::string kerf = std::string("'") + KERF_BIN_DIR + "/kerf'", a_case = (folder_ / "a.case").string(),
                     run = (folder_ / "a.run").string(), path = (folder_ / "groove.csv").string();
@@ -148,7 +148,7 @@ TEST_F(KerfSim, DrawsAPictureWithoutADisplay) {
   EXPECT_GT(fs::file_size(png()), 500u);
 }
 
-// The tetrahedron seen from above: from x 0 to 3, y 0 to 4. What differs between the pictures are the lines.
+// The tetrahedron from above: x from 0 to 3, y from 0 to 4. The pictures differ in the lines.
 TEST_F(KerfSim, AGridHasItsLinesAtRoundMillimetresOfTheScan) {
   const auto draw = [&](const char* option) {
     return shell(
@@ -189,7 +189,7 @@ TEST_F(KerfSim, APictureOfAMapOfDepthHasItsLegend) {
   const Expected<Image> without = readPng(tissue), with = readPng(depth);
   ASSERT_TRUE(without && with);
 
-  // A row of the lower left corner that runs through the map from its light to its dark end.
+  // A row in the lower left corner that runs through the map from its light to its dark end.
   const auto isNear = [](const std::uint8_t* pixel, const Rgba8& colour) {
     for (std::size_t k = 0; k < 3; ++k)
       if (std::abs(int{pixel[k]} - int{colour[k]}) > 8) return false;
@@ -216,7 +216,7 @@ TEST_F(KerfSim, FoldersShowTheirMesh) {
   const Outcome empty = picture(fmt::format("'{}'", a_case.string()));
   EXPECT_EQ(empty.status, 1);
   EXPECT_NE(empty.text.find("case.toml"), std::string::npos) << empty.text;
-  // A real case, baked by the program that bakes.
+  // A real case, baked by the command-line program.
   const fs::path kerf = fs::path(KERF_BIN_DIR) / "kerf";
   const Outcome baked =
       shell(fmt::format("'{}' bake '{}' -o '{}' --voxel 0.5 --force", kerf.string(), mesh().string(), a_case.string()));
@@ -285,11 +285,11 @@ TEST_F(KerfSim, WithoutADisplayTheWindowSaysWhatToDo) {
   EXPECT_NE(done.text.find("--screenshot"), std::string::npos) << done.text;
 }
 
-// Mesa says whatever version it is told to.
+// Mesa reports the version set in its environment.
 TEST_F(KerfSim, WithoutOpenGl33TheWindowSaysWhatThereIsAndWhatToDo) {
   if (shell("command -v xvfb-run").status != 0) GTEST_SKIP() << "xvfb-run is missing (Debian: xvfb)";
   const std::string display = "MESA_GL_VERSION_OVERRIDE=2.1 xvfb-run -a -s '-screen 0 800x600x24' ";
-  // xvfb-run fails now and then to clean up after a program that ends at once: the program is judged, not xvfb-run.
+  // xvfb-run sometimes fails to clean up after a program that ends at once: the test judges the program, not xvfb-run.
   const Outcome done =
       shell(fmt::format("{0}sh -c \"{1} --frames 3 --data '{2}' --config '{2}' '{3}' >'{2}/said' 2>&1; echo \\$? "
                         ">'{2}/status'\" >/dev/null 2>&1; "

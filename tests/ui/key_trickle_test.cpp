@@ -22,7 +22,7 @@ void type(KeyTrickle& keys, char c) {
   keys.add({.key = key, .action = 0});
 }
 
-// A text field as Dear ImGui 1.86 works one: of a frame first the characters, then the keys that went down in it.
+// Model of a text field in Dear ImGui 1.86: per frame first the characters, then the pressed keys.
 struct Field {
   std::string text;
   std::set<int> down;

@@ -128,7 +128,7 @@ TEST_F(LanguageTest, AFileThatIsWrongIsRefusedWithItsLine) {
     EXPECT_FALSE(Language::read(none)) << none;
 }
 
-// Files out of order: refused or read, and then any text is answered.
+// The reader reads or refuses damaged files. After a read, every lookup returns a text.
 TEST_F(LanguageTest, BrokenFilesAndTextsNeverCrash) {
   std::ifstream in(kGerman);
   std::stringstream whole;
@@ -183,7 +183,7 @@ TEST_F(LanguageTest, TheCommandKeepsItAndThePaletteFindsTheShownWords) {
   EXPECT_EQ(shownText("Cancel"), "Abbrechen");
 }
 
-// Each command that a menu lists, each menu, and the steps of opening a scan.
+// Each command in a menu, each menu, and the steps of opening a scan.
 TEST_F(LanguageTest, TheGermanFileHasAllCommandsAndTheStepsOfOpeningAScan) {
   const auto german = Language::read(kGerman);
   ASSERT_TRUE(german) << german.error().message();

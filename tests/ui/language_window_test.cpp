@@ -1,4 +1,4 @@
-// The window in another language: its panels drawn by Dear ImGui without a display, and what they say.
+// The window in another language: text of its panels, drawn by Dear ImGui without a display.
 #include <gtest/gtest.h>
 #include <imgui.h>
 
@@ -39,7 +39,7 @@ void append(std::string& text, unsigned code) {  // UTF-8
   }
 }
 
-// Dear ImGui, drawn to nowhere.
+// Dear ImGui without an output.
 class ImGuiNowhere {
  public:
   ImGuiNowhere() {
@@ -57,8 +57,8 @@ class ImGuiNowhere {
   }
   ~ImGuiNowhere() { ImGui::DestroyContext(); }
 
-  // A frame.   @return  all words in it, without blanks, by the places of their letters in the texture: what is seen,
-  // whoever drew it. What does not stand behind the letter before begins a line.
+  // Draws a frame.   @return  all its words without blanks, identified by the places of their letters in the texture:
+  // the visible text, from any widget. A letter that does not follow the previous one starts a line.
   std::string draw(const std::function<void()>& what) {
     ImGui::GetIO().DeltaTime = 1.0f / 60;
     ImGui::NewFrame();
@@ -89,7 +89,7 @@ class ImGuiNowhere {
   std::map<std::pair<float, float>, unsigned> letters_;  // by their upper left corner
 };
 
-// Of pairs of texts.
+// Pairs of texts.
 std::shared_ptr<const Language> languageOf(const std::map<std::string, std::string>& texts) {
   std::string rows = "msgid \"\"\nmsgstr \"text/plain; charset=UTF-8\\nX-Language-Name: Test\\n\"\n";
   for (const auto& [english, translated] : texts) rows += "msgid \"" + english + "\"\nmsgstr \"" + translated + "\"\n";
@@ -127,7 +127,7 @@ std::string withoutBlanks(std::string text) {
   return text;
 }
 
-// What stands outside of all «». What is cut off at the edge of a panel ends with the next «.
+// The text outside all «». A text clipped at a panel's edge ends at the next «.
 std::string unmarked(const std::string& words) {
   std::string out;
   bool is_inside = false;
@@ -163,7 +163,7 @@ TEST_F(LanguageWindow, InEnglishNothingIsMarked) {
   EXPECT_EQ(words.find('#'), words.npos) << "an id is never shown";
 }
 
-// Everything of a session's panels but names, and notices of before: what is new is added to the file.
+// All text of a session's panels, except names and earlier notices. New text must be added to the file.
 TEST_F(LanguageWindow, InGermanNearlyAllOfItIsGerman) {
   std::set<std::string> english;
   std::istringstream before(drawAll());
@@ -182,7 +182,7 @@ TEST_F(LanguageWindow, InGermanNearlyAllOfItIsGerman) {
   EXPECT_LE(left.size(), kMost) << testing::PrintToString(left);
 }
 
-// Pressed in one language, let go in another: the same button.
+// Pressed in one language, released in another: the same button.
 TEST(Widgets, AButtonStaysTheSameWhenTheLanguageChangesUnderTheMouse) {
   ImGuiNowhere imgui;
   ImGuiIO& io = ImGui::GetIO();

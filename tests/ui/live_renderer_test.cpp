@@ -1,4 +1,4 @@
-// The picture of an object that is cut, drawn without a display. Skipped, with a word, where no OpenGL can be had.
+// The picture of an object during a cut, drawn without a display. Skipped, with a message, if OpenGL is missing.
 #include "ui/window/live_renderer.h"
 
 #include <epoxy/gl.h>
@@ -98,7 +98,7 @@ class LivePicture : public ::testing::Test {
     EXPECT_TRUE(image) << image.error().message();
     return image ? *image : Image{kWidth, kHeight, std::vector<std::uint8_t>(4 * kWidth * kHeight)};
   }
-  /// Where a point of the world is in the picture.
+  /// Place of a point of the world in the picture.
   std::array<int, 2> pixelOf(const Vec3d& p) const {
     const Vec3d v = camera_.rotation() * (p - camera_.target) / camera_.mmPerPixel(kHeight);
     return {static_cast<int>(std::floor(0.5 * kWidth + v[0])), static_cast<int>(std::floor(0.5 * kHeight - v[1]))};
@@ -123,7 +123,7 @@ bool isIvory(int r, int, int b) { return r > b + 12; }  // the background is blu
 bool isRed(int r, int g, int b) { return r > 2 * g && r > 2 * b && r > 60; }
 bool isTinted(int r, int, int b) { return b > r + 40; }
 
-/// Pixels of which any channel differs by more than `most`.
+/// Pixels with a difference above `most` in any channel.
 int different(const Image& a, const Image& b, int most = 0) {
   int n = 0;
   for (std::size_t i = 0; i < a.rgba.size(); i += 4) {
@@ -160,7 +160,7 @@ TEST_F(LivePicture, APlannedCutIsTranslucentAndItsPlaceIsSeen) {
   EXPECT_EQ(count(plain, isPlanBlue), 0);
   EXPECT_GT(count(with, isPlanBlue), 300);
 
-  // Through its middle, above the block, the background shines; the line on the top of the block is dark.
+  // The background is visible through its middle, above the block. The line on the block's top is dark.
   const auto at = [&](const Image& image, const Vec3d& p) {
     const auto [x, y] = pixelOf(p);
     const std::size_t i = 4 * (static_cast<std::size_t>(y) * kWidth + static_cast<std::size_t>(x));
@@ -173,7 +173,7 @@ TEST_F(LivePicture, APlannedCutIsTranslucentAndItsPlaceIsSeen) {
   EXPECT_LT(line[0], 90);
   EXPECT_GT(line[2], line[0] + 30);
 
-  // Only near the slab anything changes.
+  // Only pixels near the slab change.
   EXPECT_LT(different(plain, with), 12000);
 }
 
@@ -186,7 +186,7 @@ TEST_F(LivePicture, APlannedCutSeenEdgeOnIsALineAtEveryZoom) {
       camera_.half_height = half_height;
       camera_.target = {0, 0, -1};
       const Image with = picture(planned());
-      // In every row between its ends there is a pixel of it, at most a few wide.
+      // In every row between its ends it has a pixel, at most a few wide.
       const bool is_top = std::string(view) == "top";
       const auto [x, y0] = pixelOf(is_top ? Vec3d(-2, 5.5, 0) : Vec3d(-2, 0, 0.8));
       const auto y1 = pixelOf(is_top ? Vec3d(-2, -5.5, 0) : Vec3d(-2, 0, -4.8))[1];
@@ -308,7 +308,7 @@ TEST_F(LivePicture, TissueNearTheTipIsTintedAndNoOther) {
   const Image tinted = picture(frame);
   EXPECT_GT(count(tinted, isTinted), 40);
 
-  // Only where the tip is within 0.3 mm of the plane z = 0: less than 0.8 mm from the axis, with a pixel to spare.
+  // Only with the tip within 0.3 mm of the plane z = 0: less than 0.8 mm from the axis, with a margin of a pixel.
   const auto [x, y] = pixelOf({-2, 0, 0});
   const double most = 0.8 / camera_.mmPerPixel(kHeight) + 2;
   for (int row = 0; row < kHeight; ++row)
@@ -375,7 +375,7 @@ TEST_F(LivePicture, ASectionShowsTheInsideInOneColour) {
   frame.section = Plane{{0, 6, 0}, -Vec3d::UnitY()};  // takes all
   EXPECT_EQ(count(picture(front, frame), isIvory), 0);
 
-  // The lid lies in the plane: a tool behind it is hidden, one before it is not.
+  // The lid lies in the plane: it hides a tool behind it, but not one in front.
   renderer_->setTool(redBur());
   frame.section = Plane{{0, 0, 0}, -Vec3d::UnitY()};
   frame.T_world_tool = at(-2, 1, -3);
@@ -408,7 +408,7 @@ TEST_F(LivePicture, InPerspectiveAThingIsDrawnWhereItsPixelIs) {
   }
 }
 
-// A round shank of 0.5 mm along z, of that many slices: long triangles, or short ones.
+// A round shank of 0.5 mm along z, of that many slices: long or short triangles.
 ToolLook shankOf(int slices) {
   constexpr int kSides = 12;
   constexpr double kRadius = 0.5, kFrom = -1, kTo = 80;
@@ -430,7 +430,7 @@ ToolLook shankOf(int slices) {
   return look;
 }
 
-// What goes past the eye is cut off there, between corners of which some are behind it.
+// Triangles that pass the eye are clipped there, with some corners behind it.
 TEST_F(LivePicture, AShankThatGoesPastTheEyeIsLitAsInFrontOfIt) {
   Camera camera = *cameraFromView("top");
   camera.half_height = 6;
@@ -446,7 +446,7 @@ TEST_F(LivePicture, AShankThatGoesPastTheEyeIsLitAsInFrontOfIt) {
     }
 }
 
-// A floor of 40 x 40 mm at z = 0 in so many squares a side, red to green to the right, matte to wet to the back.
+// A floor of 40 x 40 mm at z = 0 with that many squares per side, red to green to the right, matte to wet to the back.
 Mesh floorOf(std::uint32_t squares) {
   Mesh mesh;
   for (std::uint32_t y = 0; y <= squares; ++y)
@@ -465,7 +465,7 @@ Mesh floorOf(std::uint32_t squares) {
   return mesh;
 }
 
-// Of two large triangles a colour lies where it lies of many small ones, also of a floor that goes past the eye.
+// The colours of two large triangles match those of many small ones, also on a floor that passes the eye.
 TEST_F(LivePicture, InPerspectiveColoursLieWhereTheyAreHoweverLargeATriangleIs) {
   Camera camera = *cameraFromView("10,20");
   camera.half_height = 6;
@@ -550,7 +550,7 @@ TEST_F(LivePicture, TrianglesThatCoverNoPixelAreLeftOutAndNotMissed) {
   }
 }
 
-// Stripes of 1 mm in the plane of the section are seen where the points of the plane are.
+// Stripes of 1 mm in the section plane appear at the places of its points.
 TEST_F(LivePicture, ASectionShowsItsTissuesInPlaceInBothProjections) {
   showBlock();
   TissueSection stripes;
@@ -585,7 +585,7 @@ TEST_F(LivePicture, ASectionShowsItsTissuesInPlaceInBothProjections) {
         EXPECT_GT(std::max(shown[0], shown[1]), 190) << degrees << " deg, " << x << ", " << z;
       }
 
-    // The lid lies in the plane: a tool behind it is hidden, one before it is not.
+    // The lid lies in the plane: it hides a tool behind it, but not one in front.
     renderer_->setTool(redBur());
     renderer_->setSection(0, {});
     frame.section_color = {0, 200, 0, 255};
@@ -606,7 +606,7 @@ TEST_F(LivePicture, InPerspectiveAPlannedCutIsAsWideInPixelsEverywhere) {
   showBlock();
   setFieldOfView(camera_, 1.0);
   LiveFrame frame = kPlain;
-  // From behind the focus to before it.
+  // From behind the focus to in front of it.
   frame.plan.lines = {{camera_.target - 4 * camera_.right() - 4 * camera_.backwards(),
                        camera_.target + 2 * camera_.right() + 5 * camera_.backwards()}};
   const Image image = picture(frame);
@@ -766,7 +766,7 @@ TEST_F(LivePicture, APictureShowsAllThatFramesHaveNotUploadedYet) {
 TEST_F(LivePicture, WhatIsCutComesBeforeWhatIsNew) {
   for (const MeshChunkPtr& chunk : block_.chunks()) renderer_->setChunk(1, *chunk);
   const Image before = picture(kPlain);
-  renderer_->setVisible(0, false);  // what is new: first in the order of the renderer
+  renderer_->setVisible(0, false);  // new content: first in the renderer's order
   for (const MeshChunkPtr& chunk : block_.chunks()) renderer_->setChunk(0, *chunk);
   const auto isOnTop = [](const MeshChunkPtr& chunk) {
     return std::any_of(chunk->normals.begin(), chunk->normals.end(), [](const Vec3f& n) { return n[2] > 0.99f; });
@@ -787,7 +787,7 @@ TEST_F(LivePicture, WhatIsCutComesBeforeWhatIsNew) {
   EXPECT_EQ(different(first, picture(kPlain)), 0);
 }
 
-// A wide tool changes more pages in every frame than fit into its share.
+// A wide tool changes more pages per frame than its share.
 TEST_F(LivePicture, NoPageWaitsForEverBehindOthersThatChangeInEveryFrame) {
   for (const MeshChunkPtr& chunk : block_.chunks()) renderer_->setChunk(1, *chunk);
   picture(kPlain);
@@ -846,7 +846,7 @@ TEST_F(LivePicture, OfAStillSceneGetsSmoothFromFrameToFrameAndStartsAnewWhenAnyt
   }
   EXPECT_EQ(different(smooth, drawn()), 0) << "then it stays as it is";
 
-  // Its edges are those of nine points a pixel, not of one.
+  // Its edges come from nine points per pixel instead of one.
   LiveFrame fine = frame;
   fine.supersampling = 3;
   const Image truth = picture(fine);
@@ -854,7 +854,7 @@ TEST_F(LivePicture, OfAStillSceneGetsSmoothFromFrameToFrameAndStartsAnewWhenAnyt
   EXPECT_GT(off_once, 100);
   EXPECT_LT(off_smooth, off_once / 4);
 
-  // Whatever moves is drawn as ever at once.
+  // Changes are drawn at once.
   const auto startsAnew = [&](const char* what) {
     const Image now = drawn();
     EXPECT_EQ(still.samples(), 0) << what;
@@ -875,7 +875,7 @@ TEST_F(LivePicture, OfAStillSceneGetsSmoothFromFrameToFrameAndStartsAnewWhenAnyt
   startsAnew("the section");
   renderer_->setChunk(0, *block_.chunks().front(), {}, {});
   startsAnew("the surface");
-  // What was set and is as before is no change.
+  // Setting an unchanged value is no change.
   renderer_->setVisible(0, false);
   renderer_->setVisible(0, true);
   drawn();

@@ -11,7 +11,7 @@ using std::chrono::milliseconds;
 
 class LoopRateTest : public testing::Test {
  protected:
-  // Frames of a window that come every so often, of a loop that ticks so often.
+  // Window frames and loop ticks at given intervals.
   void frames(int count, milliseconds apart, double hz) {
     for (int n = 0; n < count; ++n) {
       now_ += apart;

@@ -46,7 +46,7 @@ TEST(MeshChunks, ACellWithTooManyVerticesIsDivided) {
   EXPECT_EQ(triangles, 30000u);
 }
 
-// Triangles that lie on one spot, or farther away than cells can be counted.
+// Triangles at one spot, or too far away for cell numbers.
 TEST(MeshChunks, AHeapIsDividedByCountAndEveryPartHasABrickOfItsOwn) {
   for (const double place : {0.0, 3.0, -1e15, 1e15}) {
     Mesh heap;
@@ -67,7 +67,7 @@ TEST(MeshChunks, AHeapIsDividedByCountAndEveryPartHasABrickOfItsOwn) {
   }
 }
 
-// ---- What is imported
+// ---- Imported meshes
 
 bool hasColour(const Mesh& mesh, std::size_t from, std::size_t to, const Rgba8& colour) {
   return std::all_of(mesh.face_colors.begin() + static_cast<std::ptrdiff_t>(from),

@@ -1,4 +1,4 @@
-// A workbench with a block to work on and another one beside it, 0.3 mm away.
+// A workbench with a work block and another block beside it, 0.3 mm away.
 #include "ui/app/neighbours.h"
 
 #include <algorithm>
@@ -92,7 +92,7 @@ TEST_F(NeighboursTest, ItIsSeenAndPointedAtButNotWorkedOn) {
   EXPECT_TRUE(hasSaid("35 stands beside and is not there to be cut")) << said();
   EXPECT_TRUE(readoutAt(bench_, from(0, 0))->piece.empty());
 
-  // A ghost is not pointed at; nor can it be moved or renamed.
+  // The pointer ignores a ghost. It cannot be moved or renamed either.
   const SceneObject* const other = bench_.findNeighbour("35");
   ASSERT_TRUE(other);
   bench_.ghostNeighbour(other->id, true);
@@ -101,14 +101,14 @@ TEST_F(NeighboursTest, ItIsSeenAndPointedAtButNotWorkedOn) {
   run(0.1);
   EXPECT_EQ(bench_.findNeighbour("35")->pose().translation, Vec3d::Zero());
   EXPECT_TRUE(hasSaid("not there to be moved")) << said();
-  // A script that asks for it ends there.
+  // A script that requests it ends there.
   const std::vector<std::string> words{"5", "0", "0", other->name};
   const auto moved = runAppCommand(context_, "piece.move", words);
   ASSERT_FALSE(moved);
   EXPECT_EQ(moved.error().code, Error::Code::kUnsupported);
   EXPECT_EQ(moved.error().hint, "neighbour.work-on 1, then move that");
 
-  // Another colour than that of what is worked on.
+  // Another colour than the work object's.
   const auto coloursOf = [&](const SceneObject& object) {
     Rgba8 out{};
     object.surface.forEachChunk([&](const MeshChunk& chunk) {
@@ -126,7 +126,7 @@ TEST_F(NeighboursTest, HowNearTheToolIsAndWhatWasCutByAccidentIsSaid) {
   const auto hovering = bench_.nearNeighbour(over);
   ASSERT_TRUE(hovering);
   EXPECT_EQ(hovering->name, "35");
-  // Of a ball on the surface, to the neighbour's edge: sqrt(0.4^2 + 0.7^2) - 0.7.
+  // From a ball on the surface to the neighbour's edge: sqrt(0.4^2 + 0.7^2) - 0.7.
   EXPECT_NEAR(hovering->distance_mm, 0.106, 0.05);
   EXPECT_TRUE(bench_.nearNeighbour(bench_.over(from(-2, 0)))->is_far);
 
@@ -165,7 +165,7 @@ TEST_F(NeighboursTest, AStrokeStopsShortOfItWhenAsked) {
   run(0.2);
   EXPECT_EQ(bench_.neighbours()[0].removed_mm3, 0);
 
-  // Without it the same stroke goes on to its depth, and into the neighbour.
+  // Without it the same stroke reaches its depth, and cuts the neighbour.
   bench_.stopShortBeside(std::nullopt);
   drill(2.6, 0, 4);
   EXPECT_LT(bench_.nearNeighbour(bench_.over(from(2.6, 0)))->distance_mm, 0.05);
@@ -196,7 +196,7 @@ TEST_F(NeighboursTest, BothAreExportedAndTheSessionReplays) {
   ASSERT_TRUE(exported) << exported.error().message();
   EXPECT_EQ(exported->post_op.mesh.triangles.size(), mesh->mesh.triangles.size());
 
-  // The run opens with what stood beside.
+  // The run opens with its neighbours.
   bench_.open(session);
   settle();
   ASSERT_EQ(bench_.neighbours().size(), 1u) << said();
@@ -276,7 +276,7 @@ TEST_F(NeighboursTest, OneJawOfAPairOpensWithTheOtherBeside) {
   EXPECT_EQ(bench_.neighbours()[0].name, "patient-lower");
   EXPECT_TRUE(hasSaid("one jaw of a pair")) << said();
 
-  // Given together they are there once.
+  // Opened together, each is there once.
   bench_.openAll({(*folders)[0], (*folders)[1]});
   until([&] { return !bench_.job() && bench_.name() == "patient-lower"; });
   EXPECT_EQ(bench_.neighbours().size(), 1u) << said();
@@ -293,7 +293,7 @@ TEST_F(NeighboursTest, AScriptOpensLooksCutsAndExports) {
                      "\"\nwait\nexpect beside 1 1\nexpect pieces 1 1\nneighbour.look 35 ghost\ncut.spare-neighbours " +
                      "0.3\ncut.spare-neighbours off\nexpect beside-removed 0 0\nview.fit\n");
   ASSERT_TRUE(played) << played.error().message() << said();
-  // The picture is as wide as both: where between them is, the camera says.
+  // The picture is as wide as both objects. The camera gives the place between them.
   const Vec3d at = camera.target;
   EXPECT_NEAR(at[0], 3.15, 0.2);
   const double x = 200 + (kBetween - at[0]) / camera.mmPerPixel(300);
@@ -308,7 +308,7 @@ TEST_F(NeighboursTest, AScriptOpensLooksCutsAndExports) {
   EXPECT_NE(wrong.error().message().find("one of 35"), std::string::npos) << wrong.error().message();
 }
 
-// Real scans, where they are.
+// Real scans, if available.
 class RealNeighboursTest : public NeighboursTest {
  protected:
   static fs::path data(const std::string& file) {

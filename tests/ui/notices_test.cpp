@@ -10,7 +10,7 @@ namespace {
 
 constexpr float kMenu = 25;
 
-// 800 x 600 is the smallest window that is worked in, and what tests click in.
+// 800 x 600 is the smallest supported window, and the size of the click tests.
 TEST(Notices, TheyStandBetweenThePanelsAndLeaveTheMiddleOfThePicture) {
   for (const float width : {800.0f, 1024.0f, 1280.0f, 2560.0f})
     for (const float scale : {0.75f, 1.0f, 1.25f}) {

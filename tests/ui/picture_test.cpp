@@ -1,4 +1,4 @@
-// Pictures drawn without a display. Skipped, aloud, where no OpenGL can be had.
+// Pictures drawn without a display. Skipped, with a message, if OpenGL is missing.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -109,7 +109,7 @@ TEST_F(Picture, OppositeViewsAreMirrored) {
       for (int column = 0; column < 200; ++column)
         different += std::abs(x.at(column, row)[3] - y.at(199 - column, row)[3]) / 255.0;
     EXPECT_GT(coveredPixels(x), 2000);
-    // Samples exactly on an edge may fall to either side: less than one in a hundred along the outline.
+    // Samples exactly on an edge may count for either side: less than one in a hundred along the outline.
     EXPECT_LT(different, 0.01 * coveredPixels(x)) << one;
   }
 }
@@ -235,7 +235,7 @@ TEST(Png, HasTheSizeOfThePictureAndReplacesAnOlderFile) {
   EXPECT_EQ(bytes.substr(0, 8), "\x89PNG\r\n\x1a\n");
   EXPECT_EQ(bigEndian(bytes, 16), 123u);
   EXPECT_EQ(bigEndian(bytes, 20), 45u);
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);  // nothing left beside it
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);  // nothing else beside it
   const auto refused = writePng(folder / "missing" / "picture.png", image);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, Error::Code::kWriteFailed);
@@ -282,7 +282,7 @@ TEST(PictureGrid, LinesStandWhereTheirNumbersAre) {
   }
 }
 
-// A scan that is stored upside down is turned before it is drawn: the axes keep the names that they have in the file.
+// A scan stored upside down is turned before drawing. The axes keep their names from the file.
 TEST(PictureGrid, NamesTheAxesOfTheScanThatIsDrawnUpright) {
   const PictureGrid grid = pictureGrid(*cameraFromView("top"), 400, 300, uprightFrame(-Vec3d::UnitZ()));
   EXPECT_EQ(grid.right_name, "x");
@@ -322,7 +322,7 @@ TEST(PictureGrid, NumbersHaveTheDecimalsThatTellThemApart) {
   EXPECT_EQ(numbers(500, {1234500}), "1234500 ");
 }
 
-// Plates are seen on a black picture: where two lie over each other it is lighter.
+// Plates are visible on a black picture: overlaps of two are lighter.
 TEST(PictureGrid, NoPlateTouchesAnother) {
   struct Row {
     const char* view;
@@ -367,7 +367,7 @@ TEST(PictureLegend, ShowsTheMapFromEndToEndAndItsWordsCanBeDrawn) {
     for (const std::string& text : {legend->title, legend->low, legend->high}) EXPECT_TRUE(canBeDrawn(text)) << text;
     EXPECT_EQ(legend->high, "5 mm or more") << "what lies farther has the colour of the end";
 
-    // On black, so that the plate is seen, too.
+    // On black, so that the plate is visible.
     Image image{900, 600, std::vector<std::uint8_t>(4 * 900 * 600, 0)};
     for (std::size_t n = 3; n < image.rgba.size(); n += 4) image.rgba[n] = 255;
     drawLegend(image, *legend);

@@ -1,4 +1,4 @@
-// Colours that a person gives to pieces: a command, the session's files, and the session that goes on from it.
+// Piece colours chosen by the user: a command, the session's files, and the continued session.
 #include "ui/app/piece_colours.h"
 
 #include <gtest/gtest.h>
@@ -44,7 +44,7 @@ class PieceColoursTest : public testing::Test {
       const auto played = run(script);
       ASSERT_TRUE(played) << played.error().message();
     }
-    // What was cut off comes by and by.
+    // Pieces arrive with a delay.
     void waitForPieces(std::size_t count) {
       const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(2);
       while (bench.scene().pieceCount() != count && std::chrono::steady_clock::now() < end) {
@@ -135,7 +135,7 @@ TEST_F(PieceColoursTest, ASessionWhoseProgramIsGoneKeepsThem) {
     now.mustRun("piece.choose 2\npiece.colour green\n");
     run = now.bench.sessionFolder();
   }
-  // As the program leaves it when it is killed: the log, and what stands beside it.
+  // As left by a killed program: the log, and the files beside it.
   auto manifest = readRunManifest(run);
   ASSERT_TRUE(manifest);
   manifest->is_open = true;

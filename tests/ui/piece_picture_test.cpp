@@ -1,4 +1,4 @@
-// Pieces in colours of their own, as they are drawn. Skipped, with a word, where no OpenGL can be had.
+// Pieces drawn in separate colours. Skipped, with a message, if OpenGL is missing.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -20,7 +20,7 @@
 namespace kerf::piece_picture_test {
 namespace {
 
-/// Of a picture of 400 x 300 pixels: bluish, and reddish ones, in its left or right half.
+/// In a picture of 400 x 300 pixels: bluish and reddish pixels in its left or right half.
 struct Hues {
   int blue = 0, red = 0;
 };
@@ -69,7 +69,7 @@ TEST(PiecePicture, TwoPiecesHaveTwoHues) {
 
   run("file.open \"" + bar.string() +
       "\"\nwait\nview.fit\ncut.force 3\ncut.depth 2.2\ncut.press 200 150\nwait 5\ncut.release\nwait 1\n");
-  // What was cut off comes by and by.
+  // Pieces arrive with a delay.
   const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(2);
   while (bench.scene().pieceCount() != 2 && std::chrono::steady_clock::now() < end) frame();
   ASSERT_EQ(bench.scene().pieceCount(), 2u);
@@ -84,7 +84,7 @@ TEST(PiecePicture, TwoPiecesHaveTwoHues) {
   EXPECT_LT(first.red, second.red / 10);
   EXPECT_LT(second.blue, first.blue / 10);
 
-  // A map says values: it has no other hue.
+  // A map shows values and has no other hue.
   run("view.colours depth\nwait\n");
   while (bench.tissues().isBusy()) frame();
   const Image map = picture();
@@ -97,7 +97,7 @@ TEST(PiecePicture, TwoPiecesHaveTwoHues) {
   while (bench.job()) bench.update();
 }
 
-// What somebody sees who lacks the red or the green cones: Vienot, Brettel & Mollon, Color Res Appl 1999;24:243.
+// View of a person without the red or the green cones: Vienot, Brettel & Mollon, Color Res Appl 1999;24:243.
 TEST(PiecePicture, NoTwoColoursArePutTogetherByTheColourBlind) {
   const Eigen::Matrix3d protan{{0.11238, 0.88762, 0}, {0.11238, 0.88762, 0}, {0.00401, -0.00401, 1}};
   const Eigen::Matrix3d deutan{{0.29275, 0.70725, 0}, {0.29275, 0.70725, 0}, {-0.02234, 0.02234, 1}};
@@ -112,7 +112,7 @@ TEST(PiecePicture, NoTwoColoursArePutTogetherByTheColourBlind) {
       out[static_cast<std::size_t>(k)] = static_cast<std::uint8_t>(std::lround(255 * std::pow(linear[k], 1 / 2.2)));
     return test::labOf(out.data());
   };
-  constexpr double kSeen = 6;  // steps of CIELAB: a difference seen at a glance is 2 to 3
+  constexpr double kSeen = 6;  // steps of CIELAB: a difference visible at a glance is 2 to 3
   for (const Eigen::Matrix3d& eye : {Eigen::Matrix3d(Eigen::Matrix3d::Identity()), protan, deutan})
     for (const PieceColour& a : pieceColours())
       for (const PieceColour& b : pieceColours()) {

@@ -49,7 +49,7 @@ TEST(SawPlane, ThreePointsMakeTheirPlane) {
   for (const Vec3d& p : points) EXPECT_NEAR(plane->toPlane(p)[2], 0, 1e-12);
   // x + y/2 + z/3 = 1
   EXPECT_NEAR(std::abs(plane->normal.dot(Vec3d(1, 0.5, 1.0 / 3).normalized())), 1, 1e-12);
-  // Of all directions in the plane none goes more against the surface.
+  // No other direction in the plane points more against the surface.
   const double into = plane->approach.dot(-Vec3d::UnitZ());
   for (int n = 0; n < 360; ++n)
     EXPECT_LE(Vec3d(Eigen::AngleAxisd(n * kDegree, plane->normal) * plane->approach).dot(-Vec3d::UnitZ()),
@@ -135,7 +135,7 @@ TEST(SawBlade, ItStandsInThePlaneWithItsTeethForward) {
       EXPECT_NEAR((pose.rotation * tool.plunge_direction - approach).norm(), 0, 1e-9) << id;
       EXPECT_NEAR((pose * blade.front - at).norm(), 0, 1e-9) << id;
 
-      // What cuts is symmetric about the plane, as wide as the kerf, and nothing of it is ahead of the front.
+      // The cutting part is symmetric about the plane, as wide as the kerf, and does not extend beyond the front.
       const Box3 box = tool.cut->bounds();
       double low = 1e9, high = -1e9, ahead = -1e9;
       for (int n = 0; n < 8; ++n) {
@@ -189,7 +189,7 @@ TEST(FitToBone, TheRectangleIsTheSectionWithItsMargins) {
 
 TEST(FitToBone, ABladeThatReachesTooLittleIsTurnedOrBounded) {
   const auto bone = bar();
-  // Lengthwise, 40 x 10: 28 mm of teeth do not span it from above, but from an end they do.
+  // Lengthwise, 40 x 10: 28 mm of teeth do not span it from above, but they do from an end.
   const SawPlane lengthwise = *planeSquareTo({0, 0, -5}, {0, 1, 0});
   const SawBlade blade = bladeOf("saw-reciprocating-25");
   const auto turned = fitToBone(lengthwise, bone->phi0(), blade);
@@ -353,7 +353,7 @@ TEST(SawClearance, IsTheDistanceFromTheKerfToWhatIsKept) {
   EXPECT_TRUE(at({20, 0, 4}).is_far);
 }
 
-// Distances of small voxels reach less far: what is beyond is far, not at the reach.
+// Small voxels limit the range of distances: beyond it the result is far, not the limit.
 TEST(SawClearance, OfSmallVoxelsIsFarWhereNothingIsMeasured) {
   Box3 box;
   box.add(Vec3d(-0.2, -0.2, -0.2));

@@ -238,7 +238,7 @@ TEST_F(SawingTest, ABarIsSawnThroughInThePlaneAndReplaysBitForBit) {
   ASSERT_TRUE(played) << played.error().message() << allNotices();
   EXPECT_NE(allNotices().find("distal: cut 100 %"), std::string::npos) << allNotices();
   EXPECT_NE(allNotices().find("ready to print"), std::string::npos) << allNotices();
-  // Planned against done: the section of the bar times the kerf.
+  // Planned against actual volume: the section of the bar times the kerf.
   const std::size_t told = allNotices().find(" mm3 planned, ");
   ASSERT_NE(told, std::string::npos) << allNotices();
   const double removed = std::stod(allNotices().substr(told + std::strlen(" mm3 planned, ")));
@@ -250,7 +250,7 @@ TEST_F(SawingTest, ABarIsSawnThroughInThePlaneAndReplaysBitForBit) {
   const MeshReport report = checkMesh(mesh->mesh);
   EXPECT_EQ(report.pieces, 2u) << "sawn right through";
 
-  // The walls of the kerf: in the plane, as far apart as the blade's teeth.
+  // The walls of the kerf lie in the plane, as far apart as the blade's teeth.
   const double kerf = bench_->tool(bench_->toolInHand()).kerfWidth();
   double worst = 0, area = 0;
   for (const Triangle& t : mesh->mesh.triangles) {
@@ -313,7 +313,7 @@ TEST_F(SawingTest, UndoneWhileItSawsTheBladeComesOutFirst) {
 }
 
 TEST_F(SawingTest, WhatTheBladeDoesNotReachIsSaid) {
-  // Planned lengthwise for a saw that sweeps; the piezo tip is held at its end, and spans 8.1 of 16 mm.
+  // Planned lengthwise for a saw that sweeps. The piezo tip is held at its end, and spans 8.1 of 16 mm.
   const auto played =
       play("saw.line 30 150 370 150\nsaw.depth 1.5\ntool.select saw-piezo-050\nsaw.cut 8\nwait\nexpect sawn 40 55\n");
   ASSERT_TRUE(played) << played.error().message() << allNotices();
@@ -323,7 +323,7 @@ TEST_F(SawingTest, WhatTheBladeDoesNotReachIsSaid) {
 TEST_F(SawingTest, AShortBladeSweeps) {
   const auto played = play("saw.line 30 150 370 150\nsaw.depth 1.2\nsaw.cut 8\nwait\nexpect sawn 80 100\n");
   ASSERT_TRUE(played) << played.error().message() << allNotices();
-  // A slot 16 x 0.7 mm: teeth on an arc leave some of its floor, and hunt a little before the kerf leads them.
+  // A slot 16 x 0.7 mm: teeth on an arc leave part of its floor, and wander a little before the kerf guides them.
   const double slot = 16 * 0.7 * bench_->tool(0).kerfWidth();
   EXPECT_GE(bench_->removedMm3(), 0.85 * slot);
   EXPECT_LE(bench_->removedMm3(), 1.4 * slot);

@@ -1,4 +1,4 @@
-// The colours of a scan on the surface that is cut: shown from the beginning, and by choice.
+// The scan's colours on the cut surface: visible from the start, and by choice.
 #include <cmath>
 
 #include "sim/live/scan_colours.h"
@@ -13,13 +13,13 @@ constexpr Rgba8 kRose = {220, 120, 130, 255}, kIvory = {240, 235, 210, 255};
 
 class ColouredBlock : public test::OnABlock {
  protected:
-  // Rose at its left side, ivory at its right one, the colours mixed between them.
+  // Rose on its left side, ivory on its right side, mixed in between.
   Mesh block() const override {
     Mesh out = test::blockMesh(false);
     for (const Vec3d& p : out.vertices) out.vertex_colors.push_back(p[0] < 0 ? kRose : kIvory);
     return out;
   }
-  // Of what is shown, at vertices that `is_wanted` lets in.
+  // Counts of the displayed vertices selected by `is_wanted`.
   struct Shown {
     int count = 0, as_scanned = 0;
   };

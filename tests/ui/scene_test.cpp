@@ -1,4 +1,4 @@
-// What kerf-sim shows of a run: tissues on the walls of the cut, and on the plane it is cut open by.
+// Display of a run in kerf-sim: tissues on the walls of the cut, and on its section plane.
 #include "ui/app/scene.h"
 
 #include <cmath>
@@ -11,9 +11,9 @@
 namespace kerf::scene_test {
 namespace {
 
-constexpr double kRadius = 0.7, kTip = -1.5;  // of round-014, and where its lowest point goes
+constexpr double kRadius = 0.7, kTip = -1.5;  // of round-014, and the height of its lowest point
 
-/// A box of 6 x 5 x 4 mm with a round tunnel along x, wholly inside: a groove that the neck does not open.
+/// A box of 6 x 5 x 4 mm with a round tunnel along x, entirely inside: a groove that the neck does not open.
 class TissueScene : public Cli {
  protected:
   void makeTissueRun() {
@@ -44,7 +44,8 @@ class TissueScene : public Cli {
   static inline const SectionPlane kAcross{.through = SectionPlane::Through::kCut, .normal = {1, 0, 0}};
 };
 
-// A picture and its scale bar are in mm, whatever the file is in: numbers that are no dental object in mm are metres.
+// A picture and its scale bar are in mm, for any unit of the file. Numbers too small for a dental object in mm are
+// metres.
 TEST_F(TissueScene, AMeshInMetresIsShownInMm) {
   std::string metres = box();
   folder_.write("box.off", metres);
@@ -105,7 +106,7 @@ TEST_F(TissueScene, ARunCutOpenShowsTheHoleAndTheTissuesAroundIt) {
     tissue[0] += cut->mesh.face_colors[t] == enamel_ ? doubleAreaVector(cut->mesh, t).norm() / 2 : 0;
     tissue[1] += cut->mesh.face_colors[t] == dentin_ ? doubleAreaVector(cut->mesh, t).norm() / 2 : 0;
   }
-  // Enamel: a frame of 0.5 mm, 8 mm2, less a segment of the circle. Labels are good to half a voxel, along 14 mm.
+  // Enamel: a frame of 0.5 mm, 8 mm2, less a segment of the circle. Labels are exact to half a voxel, along 14 mm.
   EXPECT_NEAR(tissue[0], 8 - 0.36, 0.8);
   EXPECT_NEAR(tissue[0] + tissue[1], lidArea(cut->mesh), 1e-6);
 }

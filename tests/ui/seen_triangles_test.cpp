@@ -1,4 +1,4 @@
-// Which triangles a picture needs, against the same question asked slowly: does any middle of a pixel lie in it?
+// Selection of the triangles that a picture needs, against a slow reference: does any pixel centre lie in the triangle?
 #include "ui/window/seen_triangles.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ double twiceArea(const Vec3f& a, const Vec3f& b, double x, double y) {
   return (double{b[0]} - a[0]) * (y - a[1]) - (double{b[1]} - a[1]) * (x - a[0]);
 }
 
-/// @param slack  pixels beyond each side that count as within
+/// @param slack  pixels beyond each side that count as inside
 bool coversAMiddle(const std::array<Vec3f, 3>& t, double slack) {
   const auto [left, right] = std::minmax({t[0][0], t[1][0], t[2][0]});
   const auto [low, high] = std::minmax({t[0][1], t[1][1], t[2][1]});
@@ -38,7 +38,7 @@ bool coversAMiddle(const std::array<Vec3f, 3>& t, double slack) {
   return false;
 }
 
-/// Two pixels to and fro: of larger ones it is not asked what they cover.
+/// Smaller than two pixels each way: larger triangles skip the coverage test.
 bool isSmall(const std::array<Vec3f, 3>& t) {
   const auto [left, right] = std::minmax({t[0][0], t[1][0], t[2][0]});
   const auto [low, high] = std::minmax({t[0][1], t[1][1], t[2][1]});
@@ -55,7 +55,7 @@ struct Triangles {
     for (const Vec3f& p : t) seen.addVertex(p);
     seen.addTriangle(first, first + 1, first + 2);
   }
-  /// Per triangle, whether it was chosen.
+  /// For each triangle, whether it was selected.
   std::vector<bool> chosen(const Sight& sight) {
     seen.look(sight);
     std::vector<std::uint32_t> out;
@@ -71,7 +71,7 @@ struct Triangles {
   }
 };
 
-/// Of edges from a hundredth of a pixel to ten, all over 1000 x 1000 pixels, both ways round.
+/// Edges from a hundredth of a pixel to ten, all over 1000 x 1000 pixels, in both orientations.
 Triangles randomTriangles(int count) {
   std::mt19937 random(11);
   std::uniform_real_distribution<float> place(0, 1000), unit(-1, 1);
@@ -135,7 +135,7 @@ TEST(SeenTriangles, WhatLiesBehindTheEyeOrIsAskedForWholeIsKeptWhole) {
   EXPECT_TRUE(all(random.chosen(sight)));
 }
 
-// In parts, in any length: the same as at once.
+// In parts of any length: the same result as at once.
 TEST(SeenTriangles, PartsMakeTheWhole) {
   Triangles random = randomTriangles(500);
   random.seen.look(plainSight());

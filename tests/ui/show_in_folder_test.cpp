@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A PATH with nothing on it but what a test puts there.
+// A PATH with only the programs of a test.
 class ShowInFolderTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -27,7 +27,7 @@ class ShowInFolderTest : public testing::Test {
   void TearDown() override { ::setenv("PATH", old_path_.c_str(), 1); }
 
   fs::path bin() const { return folder_.path() / "bin"; }
-  // A program that writes its words to NAME.txt, then does what a test says.
+  // Installs a program that writes its words to NAME.txt and then runs the commands `does`.
   void install(const std::string& name, const std::string& does) {
     const fs::path file = bin() / name;
     std::ofstream(file) << "#!/bin/sh\nfor word in \"$@\"; do printf '%s\\n' \"$word\"; done >'"

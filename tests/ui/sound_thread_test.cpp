@@ -13,7 +13,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// What a test hears. It takes all at once, as no sound card does.
+// Sound output of a test. It accepts all samples at once, unlike a sound card.
 struct Ear {
   std::atomic<std::uint64_t> samples{0};
   std::atomic<double> loudest{0};  // of the newest block
@@ -107,7 +107,7 @@ TEST(SoundThread, ADeviceThatIsPulledOutEndsIt) {
   EXPECT_TRUE(becomes([&] { return thread.takeError().has_value(); }));
 }
 
-// At the pace of the clock, whatever takes the samples: more would keep a core busy for nothing.
+// At real-time rate with any consumer: more would waste a core.
 TEST(SoundThread, RendersNoFasterThanItIsHeard) {
   Ear ear;
   const auto began = std::chrono::steady_clock::now();

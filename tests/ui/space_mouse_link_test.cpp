@@ -1,4 +1,4 @@
-// The SpaceMouse of the window on a simulated device. Skipped where umockdev is not preloaded.
+// The window's SpaceMouse on a simulated device. Skipped where umockdev is not preloaded.
 #include "ui/app/space_mouse_link.h"
 
 #include <gtest/gtest.h>

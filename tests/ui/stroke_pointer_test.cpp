@@ -62,9 +62,9 @@ TEST_F(OnABlock, CtrlLeadsTheToolAlongItsAxisAloneAndItStaysThere) {
       << "it is dragged from where it was, not from where the cursor is";
 }
 
-// On the top of the block, seen from above and aslant, with each projection.
+// On the top of the block, from above and aslant, with each projection.
 TEST_F(OnABlock, APointIsPickedInBothProjectionsAtThePixelWhereItIsSeen) {
-  const double top = 0;  // mm; at its edges the surface is not as exact
+  const double top = 0;  // mm; less exact at the surface's edges
   const Vec3d middle = bench_.scene().bounds().center();
   for (const double degrees : {0, 20, 60})
     for (const double elevation : {90, 50}) {
@@ -82,7 +82,7 @@ TEST_F(OnABlock, APointIsPickedInBothProjectionsAtThePixelWhereItIsSeen) {
 }
 
 TEST_F(OnABlock, AGrooveDrilledInPerspectiveIsWhereTheCursorWent) {
-  const double top = 0;  // mm; at its edges the surface is not as exact
+  const double top = 0;  // mm; less exact at the surface's edges
   const Vec3d middle = bench_.scene().bounds().center();
   const Vec3d from(middle[0] - 1.6, middle[1] + 0.8, top), to(middle[0] + 1.6, middle[1] - 0.6, top);
   setFieldOfView(camera_, 60 * kDegree);
@@ -108,7 +108,7 @@ TEST_F(OnABlock, AGrooveDrilledInPerspectiveIsWhereTheCursorWent) {
   EXPECT_LT((bench_.strokePointer() - to).norm(), 0.03);
   EXPECT_TRUE(follows(to)) << tip().transpose();
 
-  // Moved by numbers, it goes beside in the picture and stays on the surface.
+  // Moved by numbers, it moves sideways in the picture and stays on the surface.
   const Pixel before = pixel(bench_.strokePointer());
   pointer_.nudge(context_, -Vec3d::UnitX(), {});
   const Pixel moved = pixel(bench_.strokePointer()) - before;
@@ -118,7 +118,7 @@ TEST_F(OnABlock, AGrooveDrilledInPerspectiveIsWhereTheCursorWent) {
 }
 
 TEST_F(OnABlock, ZoomedInInPerspectiveThePointUnderTheCursorStaysAndTheEyeOutside) {
-  const double top = 0;  // mm; at its edges the surface is not as exact
+  const double top = 0;  // mm; less exact at the surface's edges
   const Vec3d middle = bench_.scene().bounds().center(), p(middle[0] + 2, middle[1] + 1, top);
   setFieldOfView(camera_, 40 * kDegree);
   fitToBox(camera_, bench_.scene().bounds(), context_.width, context_.height);
@@ -136,7 +136,7 @@ TEST_F(OnABlock, ATiltedToolThatIsLedOutGoesBackAlongItsAxis) {
   pointer_.move(context_, {200, 150}, {});
   ASSERT_TRUE(pointer_.press(context_, {200, 150}));
   runToDepth();
-  run(3);  // sideways it is pulled with less force than it is pushed
+  run(3);  // the sideways pull is weaker than the push
   ASSERT_NEAR(*bench_.depthNow(), 0.6, 0.05);
   const Vec3d deep = tip();
   bench_.moveAlong(-0.3 * std::sqrt(2));

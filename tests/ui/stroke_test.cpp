@@ -12,7 +12,7 @@
 namespace kerf::stroke_test {
 namespace {
 
-// A ball of 3 mm about the origin, with a hole of 1 mm radius and 1 mm depth cut into its top.
+// A ball of 3 mm about the origin, with a hole of 1 mm radius and 1 mm depth in its top.
 struct BallWithHole {
   BallWithHole() {
     Box3 box;

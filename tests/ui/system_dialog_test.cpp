@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-// A PATH with nothing on it but what a test puts there, and sh.
+// A PATH with only the programs of a test, and sh.
 class SystemDialogTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -30,7 +30,7 @@ class SystemDialogTest : public testing::Test {
   void TearDown() override { ::setenv("PATH", old_path_.c_str(), 1); }
 
   fs::path bin() const { return folder_.path() / "bin"; }
-  // A program that writes its words to words.txt, then does what a test says.
+  // Installs a program that writes its words to words.txt and then runs the commands `does`.
   void install(const std::string& name, const std::string& does) {
     const fs::path file = bin() / name;
     std::ofstream(file) << "#!/bin/sh\nfor word in \"$@\"; do printf '%s\\n' \"$word\"; done >'"
@@ -127,7 +127,7 @@ TEST_F(SystemDialogTest, ACancelledOneGivesNothingAndABrokenOneSaysSo) {
   EXPECT_NE(killed.error().found.find("signal 9"), std::string::npos) << killed.error().message();
 }
 
-// Who waited for the person would wait for a minute.
+// Waiting for the person would take a minute.
 TEST_F(SystemDialogTest, NobodyWaitsForAPersonWhoThinks) {
   install("zenity", "echo $$ >'" + (folder_.path() / "pid").string() + "'\nexec /bin/sleep 60");
   Clock::duration longest{};
@@ -161,7 +161,7 @@ TEST_F(SystemDialogTest, KdialogIsAskedInItsOwnWords) {
             (std::vector<std::string>{"kdialog", "--title", "Watch", "--getexistingdirectory", "/s/"}));
 }
 
-// In a menu there is no place for words: a command that needs a path is given one that was chosen.
+// A menu has no room for words: a command that needs a path gets a chosen path.
 TEST(FileCommands, EachThatTakesAPathAsksForIt) {
   std::size_t asking = 0;
   for (const AppCommand& command : appCommands()) {

@@ -66,7 +66,7 @@ TEST(Tilt, TheAxisLeansFromTheNormalByItsAngle) {
   }
 }
 
-// The middle of a ball stays over the point that it touches.
+// The middle of a ball stays above its contact point.
 TEST(Tilt, ARoundBurTurnsAboutItsMiddle) {
   const Tool tool = toolOf("round-014");
   const double radius = 0.5 * tool.head_diameter_mm;
@@ -94,7 +94,7 @@ TEST(Tilt, WhatTouchesIsTheFarthestOfWhatCuts) {
   }
 }
 
-// A held button, in lockstep: what of the tool is deepest stops at the depth, and the tool went in along its axis.
+// A held button, in lockstep: the tool's deepest point stops at the depth, and the tool entered along its axis.
 class TiltedStroke {
  public:
   TiltedStroke(const Tool& tool, double angle, double force)
@@ -137,7 +137,7 @@ class TiltedStroke {
   }
   double deepest() const { return deepest_; }
   double mostForce() const { return most_force_; }
-  // Of what touched, from where it touched, mm.
+  // Displacement of the touching point since contact, mm.
   Vec3d way() const { return out_.T_world_tool.translation - start_.translation; }
 
  private:

@@ -24,7 +24,7 @@ UndoStep strokeOf(std::uint64_t number) {
   return {number, {1000 * number, 2}, UndoStep::Kind::kStroke, 0.1 * static_cast<double>(number), 0};
 }
 
-// As SessionHistory would list them.
+// In the form of SessionHistory.
 UndoList listOf(const std::vector<UndoStep>& all, std::size_t undoable, std::uint64_t forgotten = 0) {
   UndoList out;
   out.undoable = undoable;
@@ -56,7 +56,7 @@ TEST(Timeline, KeepsStepsThatAReportNoLongerNames) {
   EXPECT_EQ(timeline.steps()[3].began_s, 4);
   EXPECT_EQ(timeline.steps()[3].tool, 2u);
 
-  // Taken back, and another stroke from there.
+  // Undone, and another stroke from there.
   timeline.update(listOf(strokes(1, 20), 5));
   EXPECT_EQ(timeline.done(), 5u);
   EXPECT_EQ(timeline.steps().size(), 20u);
@@ -75,7 +75,7 @@ TEST(Timeline, CountsStepsThatWereTooManyForAReport) {
   EXPECT_EQ(timeline.steps().size(), 15u);
   EXPECT_NEAR(timeline.steps()[14].removed_mm3, 1.5, 1e-9);
 
-  // Others in the place of those that were taken back, all between two reports.
+  // Replaces undone strokes, all between two reports.
   timeline.update(listOf(strokes(1, 15), 12));
   std::vector<UndoStep> branch = strokes(1, 12);
   for (std::uint64_t n = 16; n < 24; ++n) branch.push_back(strokeOf(n));
@@ -122,7 +122,7 @@ TEST(Timeline, APlannedCutIsOneStepHoweverManyStrokesItTook) {
   EXPECT_EQ(timeline.doneAt(5), 3u);
   EXPECT_EQ(timeline.doneAt(4), 2u) << "a part of it is not all of it";
 
-  // Nothing was cut: the next stroke is one of its own.
+  // No cut: the next stroke is separate.
   timeline.beginPlannedCut("distal");
   timeline.endPlannedCut();
   timeline.update(listOf(strokes(1, 7), 7));
@@ -152,7 +152,7 @@ TEST(Timeline, StepsInWhosePlaceOthersCameAreABranch) {
   EXPECT_EQ(branch.steps[0].began_s, 3);
   EXPECT_EQ(describeBranch(branch), "from step 2: 3 steps, 1.20 mm3 removed, the last at 5.0 s");
 
-  // Taken back and replaced between two reports; the stroke goes on.
+  // Undone and replaced between two reports; the stroke continues.
   line = {strokeOf(7)};
   timeline.update(listOf(line, 1));
   line[0].removed_mm3 += 1;
@@ -235,7 +235,7 @@ TEST_F(TimelineTest, GoesBackAndForwardAndBranchesAndTheLogReplays) {
   run("edit.begin\nwait 0.3\nexpect steps 0 0\nexpect ahead 4 4\nedit.end\nwait 0.3\nexpect steps 4 4\n");
   EXPECT_NEAR(bench_->removedMm3(), removed[4], 1e-9);
 
-  // Another stroke from the second step takes the place of the two ahead of it.
+  // Another stroke from the second step replaces the two steps ahead of it.
   run("tool.select round-010\nedit.go 2\nwait 0.3\nexpect branches 0 0\n");
   stroke(260);
   run("expect steps 3 3\nexpect ahead 0 0\nexpect branches 1 1\n");
@@ -273,7 +273,7 @@ TEST_F(TimelineTest, ABranchIsGoneOnWithAndTheLineThatWasLeftIsOneThen) {
   EXPECT_TRUE(of_left->is_same && of_left->is_whole) << of_left->note;
   EXPECT_NEAR(of_left->removed_mm3, other, 1e-6);
 
-  // To and fro: without a stroke no session is left behind, and with one it is.
+  // To and fro: only a session with a stroke is kept.
   run("edit.branch\nwait\nexpect branches 1 1\n");
   EXPECT_NEAR(bench_->removedMm3(), other, 1e-6);
   run("edit.branch\nwait\nexpect branches 1 1\n");
@@ -293,7 +293,7 @@ TEST_F(TimelineTest, ABranchIsGoneOnWithAndTheLineThatWasLeftIsOneThen) {
     EXPECT_FALSE(readRunManifest(folder.path())->is_open) << folder.path();
 }
 
-// The log of a session in which nothing is left goes; what was taken back in it does not.
+// The log of an empty session is deleted, but not its undone strokes.
 TEST_F(TimelineTest, WhatWasTakenBackIsKeptOfASessionInWhichNothingIsLeft) {
   stroke(150);
   const double first = bench_->removedMm3();
@@ -325,7 +325,7 @@ TEST_F(TimelineTest, WhatWasTakenBackIsKeptOfASessionInWhichNothingIsLeft) {
   EXPECT_GT(replayed->removed_mm3, 0.01);
 }
 
-// The folder as it is when the program is killed.
+// The folder as left by a killed program.
 TEST_F(TimelineTest, WhatWasTakenBackIsKeptOfALostSessionInWhichNothingIsLeft) {
   stroke(150);
   const double first = bench_->removedMm3();
@@ -386,8 +386,7 @@ TEST_F(TimelineTest, ASessionThatIsWatchedIsGoneOnWithFromAnyMoment) {
   EXPECT_NEAR(at + replayed->removed_mm3, now, 1e-6);
   EXPECT_NEAR(replayRun(whole)->removed_mm3, removed[3], 1e-6) << "what is gone on with is never changed";
 
-  // Of a run that goes on there is something before its first stroke, too, and it is kept once, however often asked
-  // for.
+  // A continued run has earlier changes before its first stroke, too. They are kept once, for any number of requests.
   const auto runs = [&] {
     const fs::directory_iterator all(folder_.path() / "data" / "sessions");
     return std::distance(fs::begin(all), fs::end(all));
@@ -402,13 +401,13 @@ TEST_F(TimelineTest, ASessionThatIsWatchedIsGoneOnWithFromAnyMoment) {
   end();
   EXPECT_EQ(runs(), kept);
 
-  // At the beginning of one that began with its case there is nothing to go on with; notices of errors end a script.
+  // At the beginning of a run from a case there is nothing to continue; error notices end a script.
   run("replay.open \"" + whole.string() + "\"\nwait\n");
   EXPECT_NE(refusalOf("replay.go-on\nwait\n").find("nothing is cut up to there"), std::string::npos);
   EXPECT_TRUE(bench_->watched());
 }
 
-// A branch is made to be gone on with: without that it is not kept.
+// A branch exists to be continued: otherwise it is not kept.
 TEST_F(TimelineTest, ABranchThatCanNotBeOpenedIsNotKept) {
   stroke(150);
   const fs::path session = end();
@@ -428,7 +427,7 @@ TEST_F(TimelineTest, WhatIsFeltAndCutIsTraced) {
   const Trace& trace = bench_->trace();
   EXPECT_GT(trace.largest(Channel::kForce), 0.5);
   EXPECT_LT(trace.largest(Channel::kForce), 8);
-  EXPECT_GT(trace.largest(Channel::kSpindle), 10);  // how much of its speed is left depends on when it meets the block
+  EXPECT_GT(trace.largest(Channel::kSpindle), 10);  // its remaining speed depends on the time of contact
   EXPECT_LT(trace.largest(Channel::kSpindle), 110);
   EXPECT_GT(trace.largest(Channel::kDepth), 0.05);
   double cut = 0;
@@ -446,7 +445,7 @@ TEST_F(TimelineTest, WhatIsFeltAndCutIsTraced) {
   EXPECT_NE(refusalOf("view.plots loud\n").find("on or off"), std::string::npos);
 }
 
-// Faster than reports come, and more than the queue of the 1 kHz thread takes.
+// Faster than the reports, and beyond the capacity of the 1 kHz thread's queue.
 TEST_F(TimelineTest, GoesOverMoreStepsThanTheQueueTakes) {
   stroke(180);
   const double removed = bench_->removedMm3();

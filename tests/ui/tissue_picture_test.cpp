@@ -1,4 +1,4 @@
-// What is seen of the tissues of the demo molar. Skipped, with a word, where no OpenGL can be had.
+// Display of the demo molar's tissues. Skipped, with a message, if OpenGL is missing.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -41,7 +41,7 @@ int countNear(const Image& image, const Rgba8& colour, int most = 6) {
   }
   return n;
 }
-/// As the light leaves the pulp: far more red than green and blue.
+/// Colour of light from pulp: far more red than green and blue.
 int countRed(const Image& image) {
   int n = 0;
   for (std::size_t i = 0; i < image.rgba.size(); i += 4)
@@ -49,7 +49,7 @@ int countRed(const Image& image) {
   return n;
 }
 
-/// As the light leaves dentin: yellowish. Enamel is nearly grey.
+/// Colour of light from dentin: yellowish. Enamel is nearly grey.
 int countYellow(const Image& image) {
   int n = 0;
   for (std::size_t i = 0; i < image.rgba.size(); i += 4)
@@ -77,7 +77,7 @@ TissueSet setOf(std::initializer_list<Material> materials) {
   return out;
 }
 
-/// Opened once for all tests: each begins with what is there as loaded.
+/// Opened once for all tests: each starts with the loaded scene.
 class TissuePicture : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -120,7 +120,7 @@ class TissuePicture : public ::testing::Test {
     view_->update(*bench_);
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
-  /// One line of a script, and what it takes.
+  /// One line of a script, and its effect.
   void run(const std::string& line) {
     const auto played = runScript(app_, folder_->write("line.ks", line + "\nwait\n"), frame);
     EXPECT_TRUE(played) << played.error().message();
@@ -150,12 +150,12 @@ TEST_F(TissuePicture, ASectionShowsEnamelDentinAndPulpInTheirColours) {
   EXPECT_GT(countNear(front, kDentin), 4000);
   EXPECT_GT(countNear(front, kPulp), 600);
 
-  // The plane is sampled, not the view: from elsewhere the same tissues are there, a little narrower.
+  // The plane is sampled, not the view: another view shows the same tissues, a little narrower.
   run("view.from 30,20");
   const Image oblique = picture();
   EXPECT_NEAR(countNear(oblique, kPulp) / (0.8 * countNear(front, kPulp)), 1, 0.3);
 
-  // Where it is in front of the tooth nothing is cut open.
+  // In front of the tooth the plane cuts nothing open.
   bench_->section->point[1] = bench_->scene().bounds().min[1] - 1;
   EXPECT_EQ(countNear(picture(), kPulp), 0);
 }
@@ -166,7 +166,7 @@ TEST_F(TissuePicture, ASectionOfAPieceThatIsMovedShowsWhatIsInThePiece) {
   const std::uint32_t id = bench_->scene().shown()[0]->id;
   const Vec3d middle = bench_->scene().bounds().center();
 
-  // Turned about the axis of the view, and along the plane: the same section somewhere else.
+  // Rotated about the axis of the view, and along the plane: the same section elsewhere.
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.5, Vec3d::UnitY()));
   bench_->dragPiece(id, Rigid3{turn, middle - turn * middle + Vec3d(1, 0, 0)});
   EXPECT_NEAR(countNear(picture(), kPulp), before, 0.15 * before);
@@ -217,7 +217,7 @@ TEST_F(TissuePicture, ASessionThatIsWatchedShowsThemAsWhileItIsCut) {
   play("view.tissue enamel hide\nwait\n");
   EXPECT_GT(countYellow(shot()), countYellow(whole) + 3000) << "dentin under it";
 
-  // They follow what is played.
+  // They follow the replay.
   play("view.from top\n");
   const Image before = shot();
   // The spray cools.
@@ -260,7 +260,7 @@ TEST_F(TissuePicture, AGhostLetsThePulpShineThrough) {
   EXPECT_GT(reddened, 400);
   EXPECT_LT(changed, 3 * reddened) << "elsewhere the ghost is the same";
 
-  // The tooth itself is still there, faintly.
+  // The tooth itself remains, faintly.
   run("view.tissue dentin hide");
   EXPECT_GT(test::pictureDifference(without, picture()), test::kSamePicture);
 }
@@ -305,7 +305,7 @@ TEST_F(TissuePicture, TheSurfaceOfSomeTissuesFollowsTheCutAndItsUndo) {
   OverlayField field(object.phi0());
   const double before = volumeOf(pulp.update(field.changed()));
 
-  // A ball that takes the middle of the chamber away.
+  // A ball that removes the middle of the chamber.
   const Box3 box = object.phi0().bounds();
   Vec3d middle = box.center();
   while (bench_->structures()->distance(middle) > -0.3 && middle[2] < box.max[2]) middle[2] += object.voxel();
@@ -333,7 +333,7 @@ TEST_F(TissuePicture, TheSurfaceOfSomeTissuesFollowsTheCutAndItsUndo) {
 
 TEST_F(TissuePicture, WhatIsCutWhileATissueIsHiddenIsSeenToBeCut) {
   run("view.from top");
-  run("view.tissue pulp ghost");  // the surface of the others is meshed by itself
+  run("view.tissue pulp ghost");  // the surface of the others is meshed separately
   const Image before = picture();
   run("cut.force 8");
   run("cut.depth 1");
@@ -395,7 +395,7 @@ TEST_F(TissuePicture, MapsSayDepthAndDistanceInMillimetres) {
 }
 
 TEST(MapColours, AreTakenForEachOtherByNobody) {
-  // What somebody sees who lacks the red or the green cones: Vienot, Brettel & Mollon, Color Res Appl 1999;24:243.
+  // View of a person without the red or the green cones: Vienot, Brettel & Mollon, Color Res Appl 1999;24:243.
   const Eigen::Matrix3d protan{{0.11238, 0.88762, 0}, {0.11238, 0.88762, 0}, {0.00401, -0.00401, 1}};
   const Eigen::Matrix3d deutan{{0.29275, 0.70725, 0}, {0.29275, 0.70725, 0}, {-0.02234, 0.02234, 1}};
   const auto seen = [](const Eigen::Matrix3d& eye, const Rgba8& c) {
@@ -415,7 +415,7 @@ TEST(MapColours, AreTakenForEachOtherByNobody) {
     }
 }
 
-// ---- Pictures as they were
+// ---- Reference pictures
 
 TEST_F(TissuePicture, LooksAsItDid) {
   struct Scene {
@@ -452,7 +452,7 @@ TEST_F(TissuePicture, AShiftedOrRecolouredToothIsAnotherPicture) {
   EXPECT_EQ(test::pictureDifference(image, image), 0);
   EXPECT_GT(test::pictureDifference(image, Image{kWidth, 1, {}}), 99);
 
-  // As another driver might draw it: each channel off by one, edges by a quarter of a pixel.
+  // Like another driver: each channel off by one, edges by a quarter of a pixel.
   Image noisy = image;
   for (std::size_t i = 0; i < noisy.rgba.size(); ++i)
     noisy.rgba[i] = static_cast<std::uint8_t>(std::clamp(int{noisy.rgba[i]} + (i % 3 == 0) - (i % 5 == 0), 0, 255));

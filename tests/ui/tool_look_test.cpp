@@ -1,4 +1,4 @@
-// What is worked out of tools for pictures: rows of the rack, the table for tint and shadow; limits of readings.
+// Tool data for pictures: rows of the rack, the table for tint and shadow; limits of readings.
 #include "ui/app/tool_look.h"
 
 #include <gtest/gtest.h>
@@ -42,7 +42,7 @@ TEST(ToolTable, HoldsTheDistancesOfTheToolInItsApproachFrame) {
   EXPECT_FALSE(toolTable(lookOf(toolOf("saw-reciprocating-25"))).is_round);
 }
 
-// Without a distance that of a box stands in for it: negative inside, round about its corners.
+// Without a distance, a box's distance replaces it: negative inside, round about its corners.
 TEST(ToolTable, WithoutADistanceIsThatOfTheBoxThatCuts) {
   ToolLook look;
   look.mesh.vertices = {{-1, -1, 0}, {1, -1, 0}, {0, 1, 9}};

@@ -1,4 +1,4 @@
-// The rack as a person sees it: favourites first, and what is wrong with a file in its row.
+// The rack in the window: favourites first, and a file's error in its row.
 #include "ui/app/tool_rack.h"
 
 #include <algorithm>
@@ -44,7 +44,7 @@ class ToolRackTest : public testing::Test {
     for (const std::size_t n : rackRows(bench_, view)) out.push_back(bench_.tool(n).id);
     return out;
   }
-  // Until it is so; files are looked at once a second.
+  // Waits for a condition; the rack checks files once a second.
   template <class IsSo>
   bool comes(const IsSo& is_so) {
     const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(60);
@@ -57,7 +57,7 @@ class ToolRackTest : public testing::Test {
   bool isInHand(const std::string& id) const {
     return bench_.isOpen() && !bench_.job() && bench_.tool(bench_.toolInHand()).id == id;
   }
-  // As an editor writes it: newer than what was there.
+  // Like an editor's save: newer than the old file.
   void rewrite(const fs::path& file, const std::string& text) {
     folder_.write(file.filename().string(), text);
     age_ += std::chrono::seconds(5);
@@ -126,7 +126,7 @@ TEST_F(ToolRackTest, AFileThatIsNoToolStandsInTheRackUntilItIsOne) {
   ASSERT_TRUE(comes([&] { return bench_.brokenTools().empty() && isInHand("mine"); })) << "it was asked for";
   ASSERT_EQ(bench_.toolCount(), 4u);
 
-  // Broken again: the tool stays as it was read, with the error in its row.
+  // Broken again: the tool stays as read, with the error in its row.
   EXPECT_FALSE(bench_.toolError(3));
   rewrite(file, std::string(kBur) + "neck = 3\n");
   ASSERT_TRUE(comes([&] { return bench_.toolError(3) != nullptr; }));
@@ -220,7 +220,7 @@ TEST_F(ToolRackTest, IsReadBesideTheWindowAndWhatIsOpenedMeanwhileHasAllOfIt) {
   EXPECT_EQ(bench.firstLookTools(), 3u);
   EXPECT_TRUE(bench.selectTool("disc-22"));
 
-  // What is wrong is said, and stands in the rack.
+  // The error appears as a notice and in the rack.
   ASSERT_EQ(bench.brokenTools().size(), 1u);
   EXPECT_EQ(bench.brokenTools()[0].file, broken);
   EXPECT_TRUE(std::any_of(bench.notices().begin(), bench.notices().end(), [](const Notice& notice) {
@@ -254,7 +254,7 @@ TEST_F(ToolRackTest, AToolDroppedMeanwhileComesBehindTheOthers) {
   }));
 }
 
-// A point of 2 x 2 mm at its widest, so long upwards from (0, 0, 0).
+// A point of 2 x 2 mm at its widest, of that length upwards from (0, 0, 0).
 Mesh pointedTool(double length) {
   Mesh out;
   out.vertices = {{0, 0, 0},      {1, 1, 2},       {-1, 1, 2},       {-1, -1, 2},    {1, -1, 2},
@@ -296,7 +296,7 @@ TEST_F(ToolRackTest, AToolMadeOfAMeshIsReadAnewWhenItsMeshChanges) {
   EXPECT_TRUE(comes([&] { return length() > 13; }));
   EXPECT_NEAR(length(), 14, 1e-5);
 
-  // A mesh that is none: said in the row.
+  // A file that is no mesh: the row shows the error.
   folder_.write("point.stl", "solid nothing\n");
   fs::last_write_time(mesh, fs::file_time_type::clock::now() + std::chrono::seconds(10));
   EXPECT_TRUE(comes([&] { return bench_.toolError(3) != nullptr; }));

@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// One thing without an arch.
+// One object without an arch.
 class ViewsOfABlock : public test::OnABlock {
  protected:
   Expected<void> run(const char* id, std::vector<std::string> words = {}) { return runAppCommand(context_, id, words); }
@@ -120,7 +120,7 @@ class ViewsOfAnArch : public testing::Test {
   Workbench bench_{in(folder_)};
   Camera camera_ = *cameraFromView("top");
   AppContext context_{.bench = bench_, .camera = camera_, .width = 400, .height = 300};
-  // The view of a side, of what is seen from above at a place.
+  // The view of a side, for the place seen from above.
   Camera view(const char* id, const Vec3d& place) {
     camera_ = *cameraFromView("top");
     fitToBox(camera_, bench_.scene().bounds(), context_.width, context_.height);
@@ -135,7 +135,7 @@ TEST_F(ViewsOfAnArch, EachSideOfAMolarAndOfAnIncisorIsSeenFromWhereItFaces) {
   ASSERT_TRUE(bench_.arch());
   const Vec3d left_molar(20.5, 26, 0), right_molar(-20.5, 26, 0), incisor(2.5, 0.8, 0);
   const auto side = [](const Camera& c) { return Vec3d(c.backwards().x(), c.backwards().y(), 0).normalized(); };
-  constexpr double kNear = 0.8;  // cosine of 37 degrees: teeth stand turned to the axes
+  constexpr double kNear = 0.8;  // cosine of 37 degrees: teeth are rotated against the axes
 
   EXPECT_GT(side(view("view.buccal", left_molar)).x(), kNear);
   EXPECT_LT(side(view("view.buccal", right_molar)).x(), -kNear);
@@ -164,7 +164,7 @@ TEST_F(ViewsOfAnArch, WhatIsLookedAtIsInTheMiddleUprightAndNotHidden) {
       EXPECT_NEAR(camera.right().dot(*bench_.occlusalNormal()), 0, 1e-9) << id;
       EXPECT_GT(camera.up().z(), 0.6) << id;
 
-      // The other side of the arch does not stand in front of it. The cusps beside may, by some mm.
+      // The other side of the arch does not hide it. The adjacent cusps may, by some mm.
       const Ray ray = rayUnder(camera, 0.5 * context_.width, 0.5 * context_.height, context_.width, context_.height);
       const auto hit = bench_.scene().hit(ray);
       ASSERT_TRUE(hit) << id;

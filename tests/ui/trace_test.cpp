@@ -40,7 +40,7 @@ TEST(Trace, SlowReportsFillTheTimeBetweenThem) {
   int threes = 0;
   for (const float f : trace.values(Channel::kForce)) threes += f == 3;
   EXPECT_EQ(threes, 30);
-  // Longer than all of it: no more than all of it.
+  // A gap longer than the trace fills the trace once.
   trace.add({.tick = 10'000'000, .force = 4});
   for (const float f : trace.values(Channel::kForce)) EXPECT_EQ(f, 4);
 }
@@ -50,7 +50,7 @@ TEST(Trace, TheRateIsWhatWasCutInATime) {
   trace.add({.tick = 1000, .removed_mm3 = 2});
   trace.add({.tick = 1100, .removed_mm3 = 2.05});
   EXPECT_NEAR(trace.newest(Channel::kRate), 0.5, 1e-6);
-  // What comes back by undo or redo was not cut then.
+  // Volume changed by undo or redo is not a cut at that time.
   trace.add({.tick = 1200, .removed_mm3 = 0.1, .jumps = 1});
   EXPECT_EQ(trace.newest(Channel::kRate), 0);
   trace.add({.tick = 1300, .removed_mm3 = 2.05, .jumps = 2});

@@ -35,7 +35,7 @@ Mesh crown(bool has_fissures) {
   return m;
 }
 
-// Fourteen of them along half an ellipse, none at the height of its neighbours: an arch without gums and base.
+// Fourteen of them along half an ellipse, each at another height than its neighbours: an arch without gums and base.
 Mesh archOfCrowns(bool has_fissures) {
   constexpr int kTeeth = 14;
   Mesh arch;

@@ -1,5 +1,5 @@
-// Strokes on the workbench: what of which tissue they removed, a push that is harder while Shift is down, and the demo
-// arch, which is opened as any scan is.
+// Strokes on the workbench: removal by tissue, a harder push while Shift is down, and the demo arch, opened like any
+// scan.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -52,7 +52,7 @@ class WorkbenchStrokesTest : public testing::Test {
   Camera camera_ = *cameraFromView("top");
 };
 
-// Labels of a CT, 20 x 20 x 10 voxels of 0.4 mm of cortical bone, and from 0.4 mm below its top a canal 3 mm wide.
+// Labels of a CT: 20 x 20 x 10 voxels of 0.4 mm of cortical bone, with a canal 3 mm wide from 0.4 mm below its top.
 std::string boneAndCanal() {
   std::string out =
       "NRRD0004\ntype: unsigned char\ndimension: 3\nsizes: 24 24 14\nencoding: ascii\nspace: "
@@ -109,13 +109,13 @@ TEST_F(WorkbenchStrokesTest, AToolThatRestsOnItsShankIsToldWhileItDoes) {
       << bench_->report().output.cutting_load;
   EXPECT_TRUE(play("wait 0.3\nexpect hindered 1 1\nprint\n"));
   EXPECT_TRUE(play("cut.release\nwait 0.1\nexpect hindered 0 0\n"));
-  // A stroke that comes to its depth is not hindered, nor is one that cuts.
+  // Neither a cutting stroke nor one at its depth is hindered.
   ASSERT_TRUE(play("cut.depth 0.3\ncut.press 280 150\n"));
   for (int n = 0; n < 12; ++n) {
     wait(0.25);
     EXPECT_STREQ(bench_->hindrance(), "") << n;
   }
-  // Nor does it cut with a drive that stands still.
+  // A drive at standstill does not cut.
   ASSERT_TRUE(play("cut.depth 2\ncut.speed 0\n"));
   for (int n = 0; n < 60 && !bench_->hindrance()[0]; ++n) wait(0.25);
   EXPECT_NE(std::string(bench_->hindrance()).find("drive stands still"), std::string::npos);
@@ -164,7 +164,7 @@ TEST_F(WorkbenchStrokesTest, ASessionThatEndsTellsItsNumbers) {
   ASSERT_TRUE(told) << said();
   EXPECT_NEAR(told->removed_by_material.at("cortical"), bone, 1e-6);
   EXPECT_TRUE(told->mean_contact_force && told->contact_force && told->hottest && told->seconds);
-  // The stroke that went into the canal was taken back.
+  // The stroke into the canal was undone.
   ASSERT_TRUE(told->least_distance.at("nerve_canal"));
   EXPECT_GT(told->least_distance.at("nerve_canal")->value, 0.05);
   EXPECT_LT(told->taken_back.least_distance.at("nerve_canal").value, 0);
@@ -177,12 +177,12 @@ TEST_F(WorkbenchStrokesTest, ASessionThatEndsTellsItsNumbers) {
 TEST_F(WorkbenchStrokesTest, PushedHarderAStrokePushesTwiceAsHardUntilThatEnds) {
   begin(0.1);
   const fs::path block = folder_.path() / "block.ply";
-  // So high that the bur is not at its limit before the test ends, however late this thread comes.
+  // High enough that the bur does not reach its limit before the test ends, even if this thread is late.
   ASSERT_TRUE(writeMesh(block, test::blockMesh(false, {6, 4, 7})));
   ASSERT_TRUE(play("file.open \"" + block.string() +
                    "\"\nwait\nview.fit\ncut.force 0.6\ncut.depth 5\ncut.press 200 150\nwait 1.5\n"))
       << said();
-  // The mean of a second, of all its reports: in a kerf that deepens the force wavers. A hundred of them at least.
+  // The mean of a second over all its reports, as the force wavers in a deepening kerf. At least a hundred reports.
   const auto felt = [&] {
     constexpr int kLeast = 100;
     double sum = 0;
@@ -207,7 +207,7 @@ TEST_F(WorkbenchStrokesTest, PushedHarderAStrokePushesTwiceAsHardUntilThatEnds) 
   wait(0.3);
   EXPECT_NEAR(felt(), 0.6, 0.06);
 
-  // Not beyond what a hand is allowed.
+  // Not beyond the maximum force of a hand.
   bench_->setForce(Workbench::kMostForce);
   bench_->pushHarder(2);
   wait(0.3);
@@ -222,7 +222,7 @@ TEST_F(WorkbenchStrokesTest, TheDemoArchOpensAndIsCut) {
   EXPECT_TRUE(bench_->arch()) << "a full arch: its teeth have sides";
   EXPECT_TRUE(bench_->occlusalNormal());
 
-  // Looked at from above, on the first thing that is there along the middle row of pixels.
+  // Viewed from above, on the first object along the middle row of pixels.
   ASSERT_TRUE(play("view.top\nview.fit\ncut.force 2\n"));
   int x = 0;
   while (x < 400 && !bench_->over(rayUnder(camera_, x, 150, 400, 300))) x += 4;

@@ -38,7 +38,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A block of 6 x 4 x 3 mm without its underside, as a scan is.
+// A block of 6 x 4 x 3 mm without its underside, like a scan.
 fs::path scan(const TemporaryFolder& folder) {
   const fs::path file = folder.path() / "a scan.ply";
   EXPECT_TRUE(writeMesh(file, test::blockMesh(false)));
@@ -79,7 +79,7 @@ class WorkbenchTest : public testing::Test {
 
   TemporaryFolder folder_;
   std::vector<std::string> tools_ = {"round-014", "round-010"};
-  double voxel_ = 0;  // mm; 0: as the scan asks
+  double voxel_ = 0;  // mm; 0: the scan's default
   Camera camera_;
   std::vector<Notice> notices_;
   fs::path session_;
@@ -103,7 +103,7 @@ TEST_F(WorkbenchTest, FromAScanToAFileForThePrinter) {
   EXPECT_TRUE(checkMesh(mesh->mesh).print_ready);
   EXPECT_GT(removed_, 0.05);
 
-  // The session: one stroke is taken back, two tools were in hand.
+  // The session: one stroke undone, two tools used.
   const auto replayed = replayRun(session_);
   ASSERT_TRUE(replayed) << replayed.error().message();
   EXPECT_TRUE(replayed->is_same && replayed->is_whole) << replayed->note;
@@ -164,7 +164,7 @@ TEST_F(WorkbenchTest, ACancelledJobLeavesNothing) {
   }
 }
 
-// Along a path, since the window adds nothing itself.
+// Along a path, since the window itself cannot add material.
 TEST_F(WorkbenchTest, AFillingIsOfItsMaterialForASessionThatGoesOn) {
   ASSERT_TRUE(play("file.open \"" + scan(folder_).string() +
                    "\"\nwait\nview.fit\ncut.force 2\ncut.depth 0.5\ncut.press 200 150\nwait 1\ncut.release\nwait 1\n"))
@@ -210,7 +210,7 @@ TEST_F(WorkbenchTest, AFillingIsOfItsMaterialForASessionThatGoesOn) {
   EXPECT_TRUE(replayed->is_same && replayed->is_whole) << replayed->note;
 }
 
-// A bar is cut through and a piece of it is moved; the next day the other one is cut, too.
+// A cut severs a bar and one piece is moved. The next day the other one is cut, too.
 TEST_F(WorkbenchTest, ASessionGoesOnFromARunWithItsPiecesWhereTheyWere) {
   const fs::path in = folder_.path() / "bar.ply", out = folder_.path() / "bar.stl";
   ASSERT_TRUE(writeMesh(in, test::blockMesh(true, {6, 1.6, 1.2})));
@@ -253,7 +253,7 @@ TEST_F(WorkbenchTest, ASessionGoesOnFromARunWithItsPiecesWhereTheyWere) {
   ASSERT_TRUE(written);
   EXPECT_NEAR(signedVolume(written->mesh), signedVolume(together(*placed)), 1e-5);
 
-  // A program that is gone: the second session is finished from its log alone.
+  // The program is gone: recovery finishes the second session from its log alone.
   const auto field = readRunCutField(session_);
   ASSERT_TRUE(field);
   RunManifest open = *after;
@@ -266,7 +266,7 @@ TEST_F(WorkbenchTest, ASessionGoesOnFromARunWithItsPiecesWhereTheyWere) {
   ASSERT_EQ(recovered->manifest.pieces.size(), 2u);
   EXPECT_EQ(recovered->manifest.pieces[1].name, "the left");
 
-  // What it began with is gone, or damaged: nothing is made up.
+  // Its initial state is missing or damaged: no replacement is invented.
   fs::remove(session_ / "begin.vdb");
   const auto without = replayRun(session_);
   ASSERT_FALSE(without);
@@ -305,7 +305,7 @@ TEST_F(WorkbenchTest, ASessionWithPiecesIsWatchedAndThenGoneOnWith) {
   const fs::path second = session_;
   ASSERT_NE(second, first);
 
-  // One that began in pieces, and where it had been put.
+  // A session that began in pieces, at their moved places.
   const auto again = play("replay.open \"" + second.string() +
                           "\"\nwait\nexpect pieces 2 2\nreplay.end\nwait\nexpect same 1 1\nexpect pieces 2 2\n" +
                           fmt::format("expect removed {} {}\n", removed_ - 1e-9, removed_ + 1e-9) +
@@ -327,7 +327,7 @@ TEST_F(WorkbenchTest, ASessionWithPiecesIsWatchedAndThenGoneOnWith) {
   }
 }
 
-// Exports that would lose something: the scan by a piece's name, the scan from a run, one of two pieces.
+// Exports that would lose data: the scan by a piece's name, the scan from a run, one of two pieces.
 TEST_F(WorkbenchTest, AnExportOfPiecesWritesOverNoScanAndNoOtherPiece) {
   const fs::path in = folder_.path() / "bar-piece-1.obj";
   ASSERT_TRUE(writeMesh(in, test::blockMesh(true, {6, 1.6, 1.2})));
@@ -353,7 +353,7 @@ TEST_F(WorkbenchTest, AnExportOfPiecesWritesOverNoScanAndNoOtherPiece) {
   EXPECT_NE(names.error().message().find("another piece"), std::string::npos) << names.error().message();
   EXPECT_FALSE(play("file.open \"" + first.string() + "\"\nwait\npiece.choose 2\npiece.rename 7\n"));
 
-  // A plan is of the scan as it was: where a piece was moved to, it would saw air.
+  // A plan refers to the original scan: at a moved piece it would saw air.
   const auto planned = play("file.open \"" + first.string() +
                             "\"\nwait\npiece.choose 2\npiece.move 1 0 2\nwait 0.1\nsaw.plane 2 0 -0.5 1 0 0\n");
   ASSERT_FALSE(planned);
@@ -382,7 +382,7 @@ TEST_F(WorkbenchTest, WhatIsExportedHasTheNamesOfItsScan) {
   ASSERT_TRUE(back) << back.error().message();
   EXPECT_EQ(back->objects, (std::vector<NamedPart>{{"tooth 36", 0}, {"gingiva", 12}}));
 
-  // Moved, the solids keep theirs. A name that the user gives goes before.
+  // After a move, the solids keep theirs. A name given by the user takes precedence.
   std::string script = "file.open \"" + in.string() + "\"\nwait\n";
   const auto exportAfter = [&](const std::string& act) {
     const fs::path file = folder_.path() / fmt::format("{}.3mf", act.substr(6, 4));
@@ -432,12 +432,12 @@ TEST_F(WorkbenchTest, ADrillThatTurnsBackwardsTakesNothingAndATurbineRefuses) {
                            "cut.reverse\n" + stroke + "expect removed 0.1 100\n");
   EXPECT_TRUE(played) << played.error().message() << allNotices();
 
-  // The next tool begins forwards.
+  // The next tool starts forwards.
   const auto next = play(open + "tool.select drill-20\ncut.reverse on\ntool.select round-014\n" + stroke +
                          "expect removed 0.1 100\n");
   EXPECT_TRUE(next) << next.error().message();
 
-  // So does what is opened next.
+  // The next opened scan too.
   const auto again = play(open + "tool.select drill-20\ncut.reverse on\n" + open + stroke + "expect removed 0.1 100\n");
   EXPECT_TRUE(again) << again.error().message();
 
@@ -465,7 +465,7 @@ TEST_F(WorkbenchTest, TheDepthOfTheTipThePaceOfTheLoopAndWhatAPieceLostAreKnown)
   ASSERT_TRUE(play("cut.release\nwait 0.3\n"));
   EXPECT_FALSE(bench.tipDepth()) << "nobody leads the tool";
 
-  // Sawn through on the left: what was drilled before stays with the first of the pieces.
+  // Sawn through on the left: the earlier drilled volume stays with the first piece.
   const double before = bench.removedMm3();
   ASSERT_TRUE(
       play("tool.select disc-22\ncut.force 3\ncut.depth 2.2\ncut.press 150 150\nwait 5\ncut.release\nwait 1\n"
@@ -491,7 +491,7 @@ TEST_F(WorkbenchTest, ADryStrokeIsWarm) {
   EXPECT_FALSE(play("cut.irrigation 101\n"));
 }
 
-// The window's thread is not kept: not by the last stroke, which is still cut, nor by an export.
+// Neither the last stroke, still being cut, nor an export blocks the window's thread.
 TEST_F(WorkbenchTest, AnExportDoesNotHoldUpTheWindow) {
   Workbench bench(options());
   Camera camera = *cameraFromView("top");
@@ -517,7 +517,7 @@ TEST_F(WorkbenchTest, AnExportDoesNotHoldUpTheWindow) {
   EXPECT_FALSE(fs::exists(folder_.path() / "no.stl")) << "cancelled while it waited";
 }
 
-// Where a person has gone on the timeline is where the session ends, however soon it ends.
+// The session ends at the place chosen on the timeline, even if it ends at once.
 TEST_F(WorkbenchTest, ASessionThatEndsInAJumpEndsWhereThatLeads) {
   Workbench bench(options());
   Camera camera = *cameraFromView("top");
@@ -529,7 +529,7 @@ TEST_F(WorkbenchTest, ASessionThatEndsInAJumpEndsWhereThatLeads) {
   const double all = bench.removedMm3();
   ASSERT_EQ(bench.stepsDone(), 3u);
 
-  // A step that nobody has counted yet comes before the jump.
+  // A step without a report precedes the jump.
   const SceneObject& block = *bench.scene().shown().front();
   bench.movePiece(block.id, {Eigen::Quaterniond::Identity(), {0, 0, 1}});
   ASSERT_TRUE(bench.goToStep(1));
@@ -621,7 +621,7 @@ TEST_F(WorkbenchTest, WhatWasOpenedIsOpenedAgainByTheListOfRecentFiles) {
 
 TEST_F(WorkbenchTest, ALostLogIsDeletedOnlyWhenThatIsAskedFor) {
   ASSERT_TRUE(play("file.open \"" + scan(folder_).string() + "\"\nwait\nview.fit\ncut.press 200 150\nwait 2\n"));
-  // As a program that was killed leaves it: the manifest says that the session is open.
+  // As left by a killed program: the manifest marks the session as open.
   auto manifest = readRunManifest(session_);
   ASSERT_TRUE(manifest);
   manifest->is_open = true;
@@ -680,7 +680,7 @@ TEST(AppCommands, TheTableIsSound) {
   std::set<std::string_view> ids, keys;
   for (const AppCommand& command : appCommands()) {
     EXPECT_TRUE(ids.insert(command.id).second) << command.id;
-    if (!command.key.empty() && command.key != "Esc") {  // that leaves whatever can be left
+    if (!command.key.empty() && command.key != "Esc") {  // Esc leaves any mode
       EXPECT_TRUE(keys.insert(command.key).second) << command.key;
     }
     EXPECT_EQ(command.menu.empty(), command.label.empty()) << command.id;
@@ -709,7 +709,7 @@ TEST_F(WorkbenchTest, APieceIsMovedCutFurtherTakenBackAndExported) {
       "file.open \"" + in.string() + "\"\nwait\nview.fit\ncut.force 3\ncut.depth 2.2\ncut.press 200 150\nwait 5\n" +
       "cut.release\nwait 1\nexpect pieces 2 2\npiece.choose 2\npiece.rename \"the left\"\n" +
       "piece.move -2 1 0.5\nwait 0.1\npiece.turn Z 30\nwait 0.1\n" +
-      // The moved piece is cut where it is: in a picture of all of it the left one is to the left.
+      // The moved piece is cut at its new place: in a picture of the whole, the left piece is on the left.
       "view.from top\ntool.select round-010\ncut.depth 0.4\ncut.press 90 130\nwait 3\ncut.release\nwait 0.2\nprint\n" +
       "file.export \"" + out.string() + "\"\nwait\nfile.export-each \"" + out.string() + "\"\nwait\n" +
       "file.export-put-back \"" + (folder_.path() / "back.stl").string() + "\"\nwait\n");
@@ -726,7 +726,7 @@ TEST_F(WorkbenchTest, APieceIsMovedCutFurtherTakenBackAndExported) {
   EXPECT_NEAR(bounds(right->mesh).max[0], 3, 1e-6);
   EXPECT_EQ(checkMesh(back->mesh).pieces, 2u);
 
-  // The run: the same bits, and the same files from the command line's functions.
+  // The run: the same bits, and the same files from the functions of the command line.
   const auto replayed = replayRun(session_);
   ASSERT_TRUE(replayed) << replayed.error().message();
   EXPECT_TRUE(replayed->is_same && replayed->is_whole) << replayed->note;
@@ -783,7 +783,7 @@ TEST_F(WorkbenchTest, UndoTakesBackAMoveThenThePiecesAndRedoBringsThemAgain) {
   EXPECT_TRUE(replayRun(session_)->is_same);
 }
 
-// What a maker of tools does: a file of their own, dropped while something is open; then changed, then broken.
+// Workflow of a tool maker: drops a new file into an open session, then changes it, then breaks it.
 TEST_F(WorkbenchTest, AToolThatIsDroppedIsInHandAndTheCutGoesOn) {
   const std::string text =
       "format = \"kerf-tool\"\nversion = 1\nid = \"mine\"\nname = \"My bur\"\ndescription = \"a round bur\"\n"
@@ -823,7 +823,7 @@ TEST_F(WorkbenchTest, AToolThatIsDroppedIsInHandAndTheCutGoesOn) {
   ASSERT_TRUE(run("cut.press 150 150\nwait 3\ncut.release\nwait 0.2\n"));
   EXPECT_GT(bench.removedMm3(), removed + 0.01);
 
-  // Changed: it is read anew by itself.
+  // Changed: the program reloads it.
   folder_.write("mine.toml", std::string(text).replace(text.find("2.2"), 3, "1.9"));
   fs::last_write_time(file, fs::file_time_type::clock::now() + std::chrono::seconds(5));
   const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(20);
@@ -836,7 +836,7 @@ TEST_F(WorkbenchTest, AToolThatIsDroppedIsInHandAndTheCutGoesOn) {
   const auto again = run("wait\nwait 0.2\ncut.press 250 150\nwait 2\ncut.release\nwait 0.2\n");
   ASSERT_TRUE(again) << again.error().message();
 
-  // Broken: it is said, with the line, and the tool in hand stays.
+  // Broken: a notice gives the line, and the tool in hand stays.
   folder_.write("mine.toml", text + "head_diamter = 3\n");
   const auto refused = run("tool.add \"" + file.string() + "\"\n");
   ASSERT_FALSE(refused);
@@ -873,7 +873,7 @@ TEST_F(WorkbenchTest, ThePointUnderTheCursorIsSaidInTheFrameOfTheScan) {
   EXPECT_LT((readout->T_scan_tool->translation - readout->point).norm(), 1e-6) << "a round bur stands on its tip";
   EXPECT_FALSE(readoutAt(bench, {{9, 9, 20}, -Vec3d::UnitZ()}));
 
-  // Cut open 1 mm below its top the block shows its inside, which is no surface to point at.
+  // Cut open 1 mm below its top, the block shows its inside, which the pointer ignores.
   bench.section = Plane{{0, 0, -1}, Vec3d::UnitZ()};
   EXPECT_FALSE(readoutAt(bench, ray));
   EXPECT_FALSE(bench.over(ray));

@@ -1,5 +1,5 @@
 // Drops a file on a window, as a file manager does (XDND 5): xdnd_drop WINDOW-NAME FILE. For tests; needs no window
-// manager. Exit code 0: the window took it.
+// manager. Exit code 0: the window accepted it.
 #include <X11/Xatom.h>
 #include <X11/Xlib.h>
 #include <X11/Xutil.h>
@@ -15,7 +15,7 @@ namespace {
 Display* display = nullptr;
 Atom atom(const char* name) { return XInternAtom(display, name, False); }
 
-// The first window below `from` of that name; 0: none.
+// The first window below `from` with that name; 0: none.
 Window find(Window from, const std::string& name) {
   char* title = nullptr;
   if (XFetchName(display, from, &title) && title) {
@@ -41,7 +41,7 @@ void send(Window to, const char* what, Window source, long a, long b, long c, lo
   XFlush(display);
 }
 
-// Hands over the list of files when it is asked for.
+// Hands over the list of files on request.
 void answer(const XSelectionRequestEvent& request, const std::string& list) {
   XChangeProperty(display, request.requestor, request.property, request.target, 8, PropModeReplace,
                   reinterpret_cast<const unsigned char*>(list.data()), static_cast<int>(list.size()));

@@ -79,8 +79,8 @@ TEST(AtomicFile, ALinkToWhatIsNotThereIsRefused) {
   EXPECT_EQ(folder.entries(), 1u);
 }
 
-// Killed in the middle, a process leaves what it wrote; the next one that writes into the folder takes it away, and
-// nothing else.
+// A killed process leaves its partial output. The next process that writes into the folder deletes it, and nothing
+// else.
 TEST(AtomicFile, LeftoversOfAKilledProcessAreDeleted) {
   const TemporaryFolder folder;
   const fs::path file = folder.path() / "cut.stl", bundle = folder.path() / "case";
@@ -99,7 +99,7 @@ TEST(AtomicFile, LeftoversOfAKilledProcessAreDeleted) {
   auto other = AtomicFile::create(folder.path() / "another target");
   EXPECT_EQ(folder.entries(), 1u);
   auto mine = AtomicFile::create(file);
-  auto third = AtomicFile::create(file);  // what we are writing ourselves stays
+  auto third = AtomicFile::create(file);  // our own pending file stays
   EXPECT_EQ(folder.entries(), 3u);
   ASSERT_TRUE(mine && mine->commit());
   auto made = AtomicFolder::create(bundle, false);
@@ -111,7 +111,7 @@ TEST(AtomicFile, LeftoversOfAKilledProcessAreDeleted) {
   EXPECT_EQ(folder.entries(), 4u) << "these two, and the two that are being written";
 }
 
-// Before this machine was started anew, or on another one: whether its process lives is not known.
+// From before a reboot, or from another machine: whether its process lives is unknown.
 TEST(AtomicFile, LeftoversOfAnotherBootAreDeletedAfterAWeek) {
   const TemporaryFolder folder;
   const fs::path young = folder.write(".a.stl.kerf-0123abcd-77-0", "x"),
@@ -126,8 +126,8 @@ TEST(AtomicFile, LeftoversOfAnotherBootAreDeletedAfterAWeek) {
   EXPECT_EQ(contentOf(folder.path() / "c"), "c") << "moved back";
 }
 
-// Where a file system can not exchange two folders the old one is moved aside first: killed then, a program leaves no
-// target but two whole folders.
+// If a file system cannot exchange two folders, the old one is first moved aside. A program killed then leaves no
+// target, but two whole folders.
 TEST(AtomicFolder, ATargetThatWasMovedAsideByAKilledProcessComesBack) {
   const TemporaryFolder folder;
   const fs::path bundle = folder.path() / "case";
@@ -167,7 +167,7 @@ TEST(AtomicFolder, AppearsOnCommitWithEverythingInIt) {
     fill(*abandoned, "never");
   }
   EXPECT_EQ(folder.entries(), 0u);
-  auto made = AtomicFolder::create(path / "", false);  // a trailing slash is the same folder
+  auto made = AtomicFolder::create(path / "", false);  // a trailing slash names the same folder
   ASSERT_TRUE(made) << made.error().message();
   fill(*made, "one");
   EXPECT_FALSE(fs::exists(path));
@@ -218,7 +218,7 @@ TEST(AtomicFolder, WhatSomebodyLaidIntoABundleIsNotReplacedWithIt) {
   EXPECT_NE(refused.error().found.find("\"thesis.doc\""), std::string::npos) << refused.error().message();
   EXPECT_EQ(folder.entries(), 1u);
 
-  // Laid there while the new one was made.
+  // Placed there during the write.
   fs::remove(path / "thesis.doc");
   auto late = AtomicFolder::create(path, true);
   ASSERT_TRUE(late);

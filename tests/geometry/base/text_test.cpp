@@ -21,7 +21,7 @@ TEST(SmallFile, IsReadWholeUpToItsLimit) {
   EXPECT_EQ(readSmallFile(folder.path() / "none", 4).error().code, Error::Code::kNotFound);
 }
 
-// A pipe waits for a writer, a device has no end, a sparse file of 16 GB takes no room on the disk.
+// A pipe waits for a writer, a device has no end, a sparse file of 16 GB occupies no disk space.
 TEST(SmallFile, WhatWouldTakeForEverOrAllMemoryIsRefusedAtOnce) {
   const TemporaryFolder folder;
   ASSERT_EQ(::mkfifo((folder.path() / "pipe").c_str(), 0600), 0);

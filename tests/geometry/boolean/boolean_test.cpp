@@ -1,4 +1,4 @@
-// The exact boolean itself: what it rounds new corners to.
+// Rounding of new corners by the exact boolean.
 #include "geometry/boolean/boolean.h"
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 namespace kerf::boolean_test {
 namespace {
 
-__extension__ typedef __float128 Quad;  // twice the digits of a double, and more
+__extension__ typedef __float128 Quad;  // more than twice the digits of a double
 
 Mesh boxMesh(const Box3& box) {
   Mesh out;
@@ -24,7 +24,7 @@ Mesh boxMesh(const Box3& box) {
 
 double stepOf(double value) { return std::nextafter(std::abs(value), 1e300) - std::abs(value); }
 
-// How far a new corner is off the place where an edge goes through the plane x = at: in steps of a double.
+// Distance of a new corner from the intersection of an edge with the plane x = at, in steps of a double.
 double stepsOff(const Vec3d& corner, const Vec3d& from, const Vec3d& to, double at) {
   const Quad share = (Quad(at) - Quad(from[0])) / (Quad(to[0]) - Quad(from[0]));
   double out = 0;
@@ -35,8 +35,7 @@ double stepsOff(const Vec3d& corner, const Vec3d& from, const Vec3d& to, double 
   return out;
 }
 
-// Else a corner would differ in its last digits by the way in which it was found, and that by where lists lie in
-// memory.
+// Otherwise the last digits of a corner would depend on the order of discovery, and so on memory addresses.
 TEST(Boolean, NewCornersAreRoundedFromExactNumbers) {
   constexpr double kSide = 1;  // mm: the box ends at x = 1
   const Mesh box = boxMesh({{-9, -9, -9}, {kSide, 9, 9}});
@@ -45,7 +44,7 @@ TEST(Boolean, NewCornersAreRoundedFromExactNumbers) {
   double most = 0;
   int corners = 0;
   for (int n = 0; n < 60; ++n) {
-    // A spike through that side: its tip inside of the box, its foot outside.
+    // A spike through that side, with its tip inside the box and its foot outside.
     Mesh spike;
     spike.vertices = {{kSide - near(random), place(random), place(random)}};
     for (int k = 0; k < 3; ++k) {
@@ -64,7 +63,7 @@ TEST(Boolean, NewCornersAreRoundedFromExactNumbers) {
       double off = std::numeric_limits<double>::infinity();  // of the edge that it is on
       for (std::size_t foot = 1; foot < 4; ++foot)
         off = std::min(off, stepsOff(corner, spike.vertices[0], spike.vertices[foot], kSide));
-      if (off > 1000) continue;  // where a side of the spike meets a diagonal of the box
+      if (off > 1000) continue;  // intersection of a side of the spike with a diagonal of the box
       most = std::max(most, off);
       ++corners;
     }

@@ -59,13 +59,13 @@ struct Both {
 };
 
 void expectSame(const Difference& near, const Difference& whole) {
-  EXPECT_EQ(near.mesh.vertices, whole.mesh.vertices);  // new ones, too: both round the same exact points
+  EXPECT_EQ(near.mesh.vertices, whole.mesh.vertices);  // new vertices, too: both round the same exact points
   EXPECT_EQ(near.mesh.triangles, whole.mesh.triangles);
   EXPECT_EQ(near.from_vertex, whole.from_vertex);
   EXPECT_EQ(near.from_triangle, whole.from_triangle);
 }
 
-// The difference of the near part and that of the whole, which have to be the same in all that they say.
+// The difference of the near part and that of the whole must agree in all results.
 Both subtractBoth(const Mesh& source, const Mesh& other) {
   auto near = subtract(source, other), whole = subtract(source, other, Reach::kWhole);
   EXPECT_TRUE(near && whole);
@@ -112,9 +112,9 @@ TEST(NearPatch, NestedShellsAreTheSameAsCutFromTheWhole) {
   const Mesh hollow = together({kBall, ballMesh({0.2, 0, 0}, 2.2, 80, true), ballMesh({0.1, 0.1, 0}, 1, 40)});
   const std::array<Mesh, 5> others{ballMesh({0, 0.1, 2.9}, 0.3, 16),             // into the outer wall alone
                                    ballMesh({0, 0.1, 2.6}, 0.8, 24),             // through it, into the hollow
-                                   ballMesh({0.1, 0.1, 0.9}, 0.4, 16),           // into what is loose in it
+                                   ballMesh({0.1, 0.1, 0.9}, 0.4, 16),           // into the loose part in it
                                    ellipsoid({0.1, 0.2, 0}, {0.3, 0.3, 5}, 40),  // through all of them
-                                   ballMesh({0.1, 0.1, 0.05}, 1.15, 40)};        // all of what is loose
+                                   ballMesh({0.1, 0.1, 0.05}, 1.15, 40)};        // the whole loose part
   for (const Mesh& other : others) expectNear(subtractBoth(hollow, other), hollow);
 }
 
@@ -143,7 +143,7 @@ TEST(NearPatch, AShellThatOnlyTouchesIsDecidedByTheWhole) {
 }
 
 TEST(NearPatch, ALinkThroughItsOwnRimTakesTheWhole) {
-  // Each loop around a hole of the plate goes around the ring: no cap is clear of it.
+  // Each loop around a hole of the plate also surrounds the ring, so no cap is clear of it.
   const Mesh plate = ellipsoid(Vec3d::Zero(), {20, 20, 0.4}, 120);
   const Mesh ring = torus({0.1, 0.2, 0.03}, 9, 0.6, 90);
   EXPECT_FALSE(internal::nearPatch(plate, ring));
@@ -263,7 +263,7 @@ TEST(NearPatch, ATriangleIsApartFromABoxAsItsPointsSay) {
     const bool is_apart = internal::isApart(a, b, c, box);
     apart += is_apart;
     EXPECT_FALSE(is_apart && nearest == 0);
-    wrong += !is_apart && nearest > 0.1;  // farther than two points of the grid lie apart
+    wrong += !is_apart && nearest > 0.1;  // farther than the spacing of the grid points
   }
   EXPECT_GT(apart, 200u);
   EXPECT_EQ(wrong, 0u);

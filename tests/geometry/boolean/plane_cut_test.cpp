@@ -22,7 +22,7 @@ void expectPrintable(const PostOpMesh& part) {
   for (const Vec3d& p : part.mesh.vertices) ASSERT_EQ(p, Vec3d(p.cast<float>().cast<double>()));
 }
 
-// Those on one side, well away from the plane, in the order of the source.
+// Triangles on one side, well away from the plane, in the order of the source.
 void expectKept(const Mesh& source, const Plane& plane, double side, const PostOpMesh& part) {
   std::size_t at = 0, expected = 0;
   for (const Vec3d& p : source.vertices) {
@@ -48,7 +48,7 @@ TEST(PlaneCut, BothSidesAreClosedFlatAndKeepWhatIsNotCut) {
   const double above = cut->above.report.result_volume_mm3, below = cut->rest.report.result_volume_mm3;
   EXPECT_NEAR(above + below, signedVolume(ball), 1e-4);
 
-  // A cap of height h: pi h^2 (3 r - h) / 3; the facets of the ball cost 0.3 %.
+  // A cap of height h: pi h^2 (3 r - h) / 3. The ball's facets lose 0.3 %.
   const double h = kRadius - plane.normal.dot(plane.point);
   EXPECT_NEAR(above / (std::numbers::pi * h * h * (3 * kRadius - h) / 3), 1, 0.01);
 }
@@ -98,7 +98,7 @@ TEST(PlaneCut, APlaneInAFaceOfABoxIsRefusedOrCutsNothingOff) {
     ASSERT_FALSE(cut);
     EXPECT_EQ(cut.error().code, Error::Code::kEmpty);
   }
-  // One that cuts exactly along the middle.
+  // A ball cut exactly along its middle.
   const Plane middle{Vec3d(0, 0, 2), Vec3d::UnitZ()};
   const auto halves = cutByPlanes(box, {&middle, 1});
   ASSERT_TRUE(halves) << halves.error().message();
@@ -123,7 +123,7 @@ TEST(PlaneCut, WhatLiesNowhereNearIsRefusedWithTheHeights) {
 }
 
 TEST(PlaneCut, TwoPlanesCutADieAndThePieceThatIsMeantAlone) {
-  // Two teeth of an arch: the planes pass through both.
+  // Two teeth of an arch. The planes pass through both.
   Mesh arch = ballMesh(Vec3d::Zero(), kRadius, 40);
   append(arch, ballMesh({20, 0, 0}, kRadius, 40));
   const std::array<Plane, 2> planes{Plane{{0, -1, 0}, Vec3d::UnitY()}, Plane{{0, 1.5, 0}, -Vec3d::UnitY()}};

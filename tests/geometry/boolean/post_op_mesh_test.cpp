@@ -64,7 +64,7 @@ TEST(PostOpMesh, RemovedVolumeIsTheLensOfTwoBalls) {
   const double R = kRadius, r = c.tool, d = c.center.norm();
   const double lens = std::numbers::pi * std::pow(R + r - d, 2) *
                       (d * d + 2 * d * r - 3 * r * r + 2 * d * R + 6 * r * R - 3 * R * R) / (12 * d);
-  EXPECT_NEAR(out->report.removed_volume_mm3 / lens, 1.0, 0.01);  // the source's own facets cost 0.3 %
+  EXPECT_NEAR(out->report.removed_volume_mm3 / lens, 1.0, 0.01);  // the source's own facets lose 0.3 %
 }
 
 TEST(PostOpMesh, AnyCutsFieldGivesTheSameVolumeToAPercent) {
@@ -81,7 +81,7 @@ TEST(PostOpMesh, AnyCutsFieldGivesTheSameVolumeToAPercent) {
   EXPECT_NEAR(by_cut->report.removed_volume_mm3 / by_sweep->report.removed_volume_mm3, 1.0, 0.03);
 }
 
-// A block askew to the grid, and a ball that goes along its top.
+// A block askew to the grid, and a ball that moves along its top.
 struct BallAlongABlock {
   static constexpr double kLong = 1.5;
   double h, radius;
@@ -115,7 +115,7 @@ struct BallAlongABlock {
     return out;
   }
 
-  // Of the ball's way, the part beyond a plane at that distance from its middle.
+  // The part of the ball's sweep beyond a plane at that distance from its middle.
   double volumeBeyond(double distance) const {
     const double cap = radius - distance, angle = std::acos(distance / radius);
     return std::numbers::pi * cap * cap * (3 * radius - cap) / 3 +
@@ -123,7 +123,7 @@ struct BallAlongABlock {
   }
 };
 
-// Before and after a cut that is less deep than a voxel the surface lies between the same nodes.
+// Before and after a cut shallower than a voxel, the surface lies between the same nodes.
 TEST(PostOpMesh, AShallowCutHasItsVolume) {
   constexpr double kRadiusOfBall = 0.5;
   for (const double h : {0.05, 0.1})
@@ -155,7 +155,7 @@ TEST(PostOpMesh, AThinLayerThatIsAddedHasItsVolume) {
 }
 
 TEST(PostOpMesh, WhatACutLeavesOfASmallObjectIsNoCrumb) {
-  // At voxels of 1.5 mm ten of them are 34 mm3; the cap that stays is less, and all there is.
+  // At voxels of 1.5 mm, ten of them are 34 mm3. The remaining cap is smaller, and is the whole object.
   const Mesh source = ballMesh(Vec3d::Zero(), kRadius, 48);
   Box3 box;
   box.add(Vec3d::Zero());

@@ -10,7 +10,7 @@
 namespace kerf::case_bundle_test {
 namespace {
 
-// A manifest as Kerf writes it, of which one value is replaced.
+// A manifest of Kerf with one value replaced.
 class CaseManifestFromAStranger : public ::testing::Test {
  protected:
   void SetUp() override {

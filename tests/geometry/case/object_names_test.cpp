@@ -90,7 +90,7 @@ TEST(ObjectNames, OfACaseAreThoseOfItsSources) {
   EXPECT_TRUE(ObjectNames::ofCase(folder.path(), manifest).isEmpty());
 }
 
-// The name of the only file that can be read is not that of the others.
+// The name of the only readable file does not apply to the others.
 TEST(ObjectNames, OfASourceThatChangedAreNotThoseOfAnother) {
   const TemporaryFolder folder;
   const auto first = folder.path() / "source-1.obj", second = folder.path() / "source-2.obj";

@@ -10,7 +10,7 @@ namespace {
 
 const Vec3i kLow(-2, 3, -7), kSize(4, 3, 5);
 
-// Every brick of the box has its place in the order of the coordinates.
+// Every brick of the box has its place in coordinate order.
 BrickDirectory numbered() {
   BrickDirectory out(kLow, kSize);
   std::int32_t next = 0;

@@ -16,7 +16,7 @@ using Place = std::tuple<int, int, int>;
 
 Place placeOf(const Vec3i& brick) { return {brick[0], brick[1], brick[2]}; }
 
-// Stored and marked bricks about the origin and far from it, and what a map says of them.
+// Stored and marked bricks near the origin and far from it, and the same content as a map.
 struct Filled {
   BrickIndex index;
   std::map<Place, std::int32_t> stored;
@@ -64,7 +64,7 @@ TEST(BrickIndex, ListsWhatIsInsideInTheOrderOfCoordinates) {
   const Filled filled;
   const std::vector<Vec3i> listed = filled.index.interior();
   ASSERT_EQ(listed.size(), filled.inside.size());
-  // A set of places is in the order of their keys.
+  // A set of places is ordered by their keys.
   EXPECT_TRUE(std::equal(listed.begin(), listed.end(), filled.inside.begin(),
                          [](const Vec3i& brick, const Place& place) { return placeOf(brick) == place; }));
   EXPECT_TRUE(std::is_sorted(listed.begin(), listed.end(),

@@ -67,7 +67,7 @@ TEST(DistanceCheck, NoiseIsRefusedWithItsShare) {
   EXPECT_NE(refusalOf(noise).find("% of neighbouring values differ by more than 0.3 mm"), std::string::npos)
       << refusalOf(noise);
 
-  // Noise in a twentieth of the values is noise as well; one bad value is not.
+  // Noise in a twentieth of the values also counts as noise; one bad value does not.
   BrickField some = band(ball), one = band(ball);
   for (std::size_t b = 0; b < some.brickCount(); ++b)
     for (float& v : some.brick(b))

@@ -71,7 +71,7 @@ TEST(MarchingCubes, NoiseGivesAClosedManifoldWhateverTheSigns) {
 TEST(MarchingCubes, SurfaceBesideAMissingBrickIsClosed) {
   BrickField field(0.1, 0.4f);
   BrickValues& v = field.brick(field.touch({0, 0, 0}));
-  v.fill(-0.4f);  // a solid brick next to nothing stored at all
+  v.fill(-0.4f);  // a solid brick beside an unstored one
   const Mesh m = marchingCubes(field);
   expectClosedManifold(m);
   EXPECT_GT(signedVolume(m), 0.5);

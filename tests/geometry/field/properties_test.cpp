@@ -1,4 +1,4 @@
-// Laws that hold for every input, tried on random ones (RapidCheck shrinks what breaks them to the smallest case).
+// Laws for every input, tried on random ones (RapidCheck shrinks failures to the smallest case).
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
@@ -48,8 +48,7 @@ RC_GTEST_PROP(SweepProperty, IsTheMinimumOverThePosesBetween, ()) {
     sampled = std::min(sampled, shape.distance(T.inverse() * x));
   }
   RC_ASSERT(d <= sampled + tolerance + 1e-9);
-  const double reach =
-      (to.translation - from.translation).norm() + 1.0 * 8;  // nothing moves faster than this per unit of s
+  const double reach = (to.translation - from.translation).norm() + 1.0 * 8;  // the maximum speed per unit of s
   RC_ASSERT(d >= sampled - reach / 800);
 }
 

@@ -36,7 +36,7 @@ TEST(VdbIo, FieldsComeBackBitForBitWithTheirDeepInside) {
   EXPECT_EQ(back->interiorBricks().size(), 2u);
 }
 
-// Without a brick deep inside, the nodes tell how far the band reaches: a tool's table must be right as far.
+// Without a brick deep inside, the nodes give the width of the band: a tool's table must be right that far.
 TEST(VdbIo, TheBandOfAThinObjectReachesAsFarAsItsNodes) {
   const TemporaryFolder folder;
   BrickField field(0.05, 0.15f, -0.2f);
@@ -74,7 +74,7 @@ TEST(VdbIo, AMissingFileOrGridIsAnError) {
   EXPECT_NE(other.error().message().find("sweep"), std::string::npos);
 }
 
-// A case from a stranger: numbers that are no distances are not cut as if they were tissue.
+// A case from elsewhere: numbers that are no distances must not be cut as tissue.
 TEST(VdbIo, ValuesThatAreNoDistancesAreRefused) {
   const TemporaryFolder folder;
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInfinite = std::numeric_limits<float>::infinity();
@@ -137,8 +137,8 @@ TEST(VdbIo, AFileThatWasCutShortIsRefused) {
   EXPECT_NE(back.error().message().find("cut short"), std::string::npos) << back.error().message();
 }
 
-// A small grid as a file, of which single numbers are forged. OpenVDB takes them as they stand: a length of 2 GB is
-// allocated before a byte of it is read.
+// A small grid as a file, with single numbers forged. OpenVDB uses them unchecked: it allocates a length of 2 GB before
+// it reads a byte.
 class ForgedVdb : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -157,7 +157,7 @@ class ForgedVdb : public ::testing::Test {
     return bytes;
   }
 
-  // What the reader says of these bytes; empty: it took them.
+  // The reader's error for these bytes; empty: none.
   std::string refusalOf(const std::string& bytes) const {
     const auto field = readVdb(folder_.write("bad.vdb", bytes), "phi");
     return field ? std::string() : field.error().message();
@@ -206,7 +206,7 @@ TEST_F(ForgedVdb, AFileCutShortAnywhereIsRefused) {
     EXPECT_FALSE(refusalOf(good_.substr(0, size)).empty()) << size << " bytes";
 }
 
-// Some bytes of each kind: whatever is read then is a field of numbers that can be cut.
+// Forges some bytes of each kind: a successful read gives a field of numbers that can be cut.
 TEST_F(ForgedVdb, NoByteMakesTheReaderCrash) {
   for (std::size_t at = 0; at < good_.size(); at += at < 1500 ? 5 : 151)
     for (const char wrong : {'\x00', '\x7f', '\xff'}) {
@@ -268,7 +268,7 @@ TEST(MaterialBricks, ComeBackAsTheyWereBesideAField) {
   for (std::size_t b = 0; b < written.bricks.size(); ++b) EXPECT_EQ(*read->find(written.bricks[b]), written.numbers[b]);
   EXPECT_EQ(read->find({0, 0, 0}), nullptr);
 
-  // Where nothing was added there is no grid.
+  // A run without added material has no grid.
   const MaterialBricks none;
   ASSERT_TRUE(writeVdb(file, {{"phi", &field}}, {}, &none));
   EXPECT_EQ(inspectVdb(file)->size(), 1u);
@@ -313,7 +313,7 @@ TEST(MaterialBricks, LieOverTheLabelsOfACase) {
   EXPECT_TRUE(requireOnlyAdded(over, *in_case, Material::kGeneric));
 }
 
-// A file that was made by others: each of these would be cut as tissue.
+// Files of other programs: each of these would be cut as tissue.
 TEST(MaterialBricks, WhatNoRunStoresIsRefusedWithItsPlace) {
   const TemporaryFolder folder;
   openvdb::initialize();
@@ -347,7 +347,7 @@ TEST(MaterialBricks, WhatNoRunStoresIsRefusedWithItsPlace) {
   EXPECT_NE(of_floats.error().message().find("of type"), std::string::npos) << of_floats.error().message();
 }
 
-// Some bytes of each kind, and the file cut short anywhere: whatever is read then are bricks of materials.
+// Forges some bytes of each kind and cuts the file short anywhere: a successful read gives bricks of materials.
 TEST(MaterialBricks, NoByteMakesTheReaderCrash) {
   const TemporaryFolder folder;
   MaterialBricks written = someMaterials();
@@ -375,7 +375,7 @@ TEST(VdbIo, InspectingTellsTheGridsByName) {
   BrickField one(0.05, 0.2f), other(0.1, 0.3f);
   one.touch({0, 0, 0});
   one.touch({5, -7, 0});
-  // Metadata of any length is passed over.
+  // The reader skips metadata of any length.
   ASSERT_TRUE(
       writeVdb(folder.path() / "f.vdb", {{"sweep", &one}, {"phi", &other}}, {{"case_id", std::string(100'000, 'x')}}));
   const auto grids = inspectVdb(folder.path() / "f.vdb");

@@ -1,4 +1,4 @@
-// Colours that scanners and CAD programs put beside or into a mesh: textures, materials, attribute words, numbers.
+// Colours that scanners and CAD programs store beside or in a mesh: textures, materials, attribute words, numbers.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <stb/stb_image_write.h>
@@ -56,7 +56,7 @@ std::string jpeg() {
   return bytes;
 }
 
-// A square whose corners have those of the picture.
+// A square with the corners of the picture.
 std::string square(const std::string& library = "mtllib a.mtl") {
   return library +
          "\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl skin\n"
@@ -72,7 +72,7 @@ TEST_F(MeshColors, ATextureOfAnObjBecomesColoursOfVertices) {
   EXPECT_TRUE(file.mesh.face_colors.empty());
   expectNote(file, "texture");
 
-  // Names with blanks and options, a path of another machine, Windows' line ends.
+  // Names with blanks and options, a path of another machine, Windows line ends.
   folder_.write("my skin.png", png());
   folder_.write("b.mtl", "newmtl skin\r\nmap_Kd -clamp on -bm 0.5 C:\\scans\\my skin.png\r\n");
   EXPECT_EQ(good("b.obj", square("mtllib C:\\scans\\b.mtl")).mesh.vertex_colors, kOfSquare);
@@ -102,7 +102,7 @@ TEST_F(MeshColors, MaterialsWithoutTextureColourTheirFaces) {
   EXPECT_EQ(good("a.obj", vertices + "f 1 2 3\nusemtl gum\nf 1 2 3 4\nusemtl tooth\nf 1 3 4\n").mesh.face_colors,
             (std::vector<Rgba8>{kNone, kRed, kRed, kWhite}));
   EXPECT_EQ(good("one.obj", vertices + "usemtl gum\nf 1 2 3\n").mesh.face_colors, (std::vector<Rgba8>{kRed}));
-  // The grey that modelling programs give to everything says nothing.
+  // The default grey of modelling programs carries no information.
   EXPECT_TRUE(good("grey.obj", vertices + "usemtl grey\nf 1 2 3\n").mesh.face_colors.empty());
 }
 
@@ -120,12 +120,12 @@ TEST_F(MeshColors, ATextureThatCannotBeReadIsNamedAndTheMeshIsReadWithout) {
   }
   folder_.write("a.png", "GIF89a" + std::string(100, '\1'));
   expectNote(good("a.obj", square()), "neither");
-  // 9000 x 9000 pixels, said by 33 bytes.
+  // 9000 x 9000 pixels, declared in 33 bytes.
   std::string huge = whole;
   for (const std::size_t at : {16u, 20u}) huge.replace(at, 4, samples::bytes(std::uint32_t{9000}, true));
   folder_.write("a.png", huge);
   expectNote(good("a.obj", square()), "64 million");
-  // What a decoder would unpack, and throw away.
+  // Data that a decoder would unpack and discard.
   folder_.write("a.png", whole + std::string(2 << 20, '\0'));
   expectNote(good("a.obj", square()), "more data");
   std::filesystem::create_symlink("/dev/zero", folder_.path() / "zero");
@@ -224,7 +224,7 @@ TEST_F(MeshColors, ATextureOfAPlyBecomesColoursOfVertices) {
     expectNote(without, "\"b.png\" (no such file)");
   }
 
-  // Two pictures, chosen by the face; the second is upside down.
+  // Two pictures, selected by the face; the second is upside down.
   std::string flipped;
   auto rgb = quarters(2);
   std::rotate(rgb.begin(), rgb.begin() + 6, rgb.end());
@@ -261,7 +261,7 @@ TEST_F(MeshColors, AttributeWordsOfAnStlAreColoursWhereTheySaySo) {
   EXPECT_EQ(colors("VisCAM", kOwn | kHigh), (std::vector<Rgba8>(4, kRed)));
   EXPECT_EQ(colors("VisCAM", kOwn | kLow), (std::vector<Rgba8>(4, kBlue)));
   EXPECT_TRUE(colors("VisCAM", kHigh).empty());
-  // Magics: red in the low bits; the top bit asks for the colour of the whole.
+  // Magics: red in the low bits; the top bit selects the colour of the whole.
   const std::string magics = "COLOR=" + std::string("\x00\xff\x00\xff", 4) + ",MATERIAL=";
   EXPECT_EQ(colors(magics, kLow), (std::vector<Rgba8>(4, kRed)));
   EXPECT_EQ(colors(magics, kOwn | kLow), (std::vector<Rgba8>(4, kGreen)));

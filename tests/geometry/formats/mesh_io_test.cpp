@@ -85,7 +85,7 @@ TEST_F(MeshIo, PlyKeepsColoursOrderAndDoubles) {
   EXPECT_EQ(ascii.mesh.vertex_colors[3], (Rgba8{13, 20, 30, 254}));
 }
 
-// 0.1f, 16777216 (the next is 16777218) and others as programs write them.
+// 0.1f, 16777216 (the next is 16777218) and other numbers as programs write them.
 TEST_F(MeshIo, TextKeepsItsDoubleAndIsKnownWhenItSaysNoMoreThanAFloat) {
   const auto read = [&](const std::string& number) {
     return good("a.off", "OFF\n3 1 0\n" + number + " 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
@@ -135,7 +135,7 @@ TEST_F(MeshIo, UnusedAndRepeatedVerticesStayWhereTheyAre) {
 }
 
 TEST_F(MeshIo, ConcavePolygonsAreCoveredOnceAndFaceColoursFollow) {
-  // An L of area 3, in a plane across x; a fan from any but two corners would leave it.
+  // An L of area 3, in a plane across x. Only two corners allow a fan within it.
   const MeshFile file = good("l.off", "OFF\n6 1 0\n7 0 2\n7 0 0\n7 2 0\n7 2 1\n7 1 1\n7 1 2\n6 0 1 2 3 4 5 9 8 7\n");
   EXPECT_EQ(file.polygons_triangulated, 1u);
   ASSERT_EQ(file.mesh.triangles.size(), 4u);
@@ -308,7 +308,7 @@ TEST_F(MeshIo, WhatIsNoFileIsRefused) {
   EXPECT_NE(readMesh(secret).error().message().find("ermission"), std::string::npos);
 }
 
-// Whatever a file holds, the answer is an Error or a mesh with indices in range and finite coordinates.
+// For any file content, the result is an Error or a mesh with indices in range and finite coordinates.
 TEST_F(MeshIo, MutatedFilesNeverBreakThePromisesOfAMesh) {
   const std::pair<const char*, std::string> seeds[] = {{"a.stl", samples::binaryStl()},
                                                        {"a.stl", samples::asciiStl()},

@@ -110,7 +110,7 @@ TEST_F(MeshWriter, FaceColoursAloneComeBack) {
     EXPECT_EQ(back.mesh.face_colors, m.face_colors) << name;
     EXPECT_FALSE(back.mesh.hasVertexColors()) << name;
   }
-  // COFF promises colours of vertices; what other programs write there nevertheless is read.
+  // COFF promises vertex colours. Other programs write other values there, which are read.
   const std::string off = contentOf(folder_.path() / "a.off");
   EXPECT_EQ(off.substr(0, 4), "OFF\n");
   const auto other = readMesh(folder_.write("b.off", "C" + off));
@@ -205,7 +205,7 @@ TEST_F(MeshWriter, FullDiskAndMissingFolderAreReported) {
 
 TEST_F(MeshWriter, EveryFormatBringsBackWhatItsRowSaysItCarries) {
   Mesh mesh;
-  mesh.vertices = {{1.0 / 3, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};  // no float32, nor a short text
+  mesh.vertices = {{1.0 / 3, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};  // no float32, and no short text
   mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
   Mesh by_vertex = mesh, by_face = mesh;
   by_vertex.vertex_colors = {{255, 0, 0, 255}, {0, 255, 0, 255}, {0, 0, 255, 255}, {9, 9, 9, 255}};

@@ -1,4 +1,4 @@
-// Names of objects in OBJ and 3MF: read, written, and what strangers put in their place.
+// Object names in OBJ and 3MF: read, written, and replaced in files of other programs.
 #include "geometry/formats/named_part.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Files as other programs write them: read, with a note where something was mended, or refused for what they are.
+// Files of other programs: read, with a note for each repair, or refused with the cause.
 #include <gtest/gtest.h>
 
 #include "geometry/formats/mesh_io.h"
@@ -88,7 +88,7 @@ TEST_F(PeersFiles, AnAsciiStlMayEndWithoutEndsolid) {
   const auto two = read("two.stl", replaced(samples::asciiStl() + samples::asciiStl(), "ENDSOLID tooth 36\n", ""));
   ASSERT_TRUE(two) << two.error().message();
   EXPECT_EQ(two->mesh.triangles.size(), 8u);
-  // Within a facet it is damage.
+  // Inside a facet it is damage.
   const std::string text = samples::asciiStl();
   expectRefused("cut.stl", text.substr(0, text.find("endloop")), Error::Code::kBadFormat, "end of the file",
                 "endsolid");
@@ -101,7 +101,7 @@ TEST_F(PeersFiles, WordsThatDoNotBelongToAnAsciiStlAreSkipped) {
   const auto one_line = read("d.stl", replaced(samples::asciiStl(), "endfacet\n", "endfacet x "));
   ASSERT_TRUE(one_line) << one_line.error().message();
   EXPECT_EQ(one_line->mesh.triangles.size(), 4u) << "a facet behind an odd word is one";
-  // Several facets in one line are right, and a fourth number may be a corner's.
+  // Several facets on one line are valid, and a corner may have a fourth number.
   EXPECT_TRUE(read("line.stl", replaced(samples::asciiStl(), "endfacet\n", "endfacet "))->notes.empty());
   EXPECT_FALSE(read("numbers.stl", replaced(samples::asciiStl(), "+1.5 0 0", "1 5 0 0")));
 }
@@ -132,7 +132,7 @@ TEST_F(PeersFiles, TriangleStripsOfPlyTurnEverySecondTriangle) {
   const auto file = read("a.ply", strips("4 0 1 2 3"));
   ASSERT_TRUE(file) << file.error().message();
   EXPECT_EQ(file->mesh.triangles, (std::vector<Triangle>{{0, 1, 2}, {2, 1, 3}}));
-  // Two strips, the second begins anew; repeated corners join parts of one.
+  // Two strips, where the second starts anew; repeated corners join parts of one.
   EXPECT_EQ(read("b.ply", strips("8 0 1 2 -1 1 3 2 2"))->mesh.triangles, (std::vector<Triangle>{{0, 1, 2}, {1, 3, 2}}));
   EXPECT_FALSE(file->notes.empty());
 

@@ -1,4 +1,4 @@
-// 3MF: what the specification says, on packages written by hand; what we write, judged by lib3mf where it is installed.
+// 3MF: the specification on packages written by hand; Kerf's output, judged by lib3mf where it is installed.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -114,8 +114,8 @@ TEST_F(ThreeMf, ItemsAndComponentsAreUnitedWhereTheBuildPutsThem) {
       model(object(1) + object(2, pair), "<item objectid=\"2\" transform=\"2 0 0 0 2 0 0 0 2 0 0 1\"/>" + kItem)));
   ASSERT_EQ(file.mesh.vertices.size(), 12u);
   ASSERT_EQ(file.mesh.triangles.size(), 12u);
-  EXPECT_EQ(file.mesh.vertices[1], Vec3d(3, 0, 1));    // component as it is, item twice as large and 1 up
-  EXPECT_EQ(file.mesh.vertices[5], Vec3d(20, 3, 1));   // turned first
+  EXPECT_EQ(file.mesh.vertices[1], Vec3d(3, 0, 1));    // component unchanged, item twice as large and 1 up
+  EXPECT_EQ(file.mesh.vertices[5], Vec3d(20, 3, 1));   // rotated first
   EXPECT_EQ(file.mesh.vertices[9], Vec3d(1.5, 0, 0));  // the second item
   EXPECT_EQ(file.mesh.triangles[4], (Triangle{4, 5, 6}));
   ASSERT_EQ(file.notes.size(), 2u);
@@ -237,7 +237,7 @@ TEST_F(ThreeMf, ZipBombsAreRefusedBeforeTheyUnfold) {
   const std::string bomb = package(xml + std::string(std::size_t{80} << 20, ' '));
   ASSERT_LT(bomb.size(), 200000u);
   EXPECT_NE(refusal(bomb).find("zip bomb"), std::string::npos);
-  // A tag that does not end.
+  // An unterminated tag.
   const std::string tag = package("<model a=\"" + std::string(std::size_t{40} << 20, 'x'));
   EXPECT_NE(refusal(tag).find("longer than 1 MiB"), std::string::npos);
 }
@@ -250,7 +250,7 @@ TEST_F(ThreeMf, CopiesOfCopiesAreRefusedBeforeTheyAreMade) {
     resources += object(level, "<components>" + components + "</components>");
   }
   EXPECT_NE(refusal(package(model(resources, "<item objectid=\"21\"/>"))).find("copies of copies"), std::string::npos);
-  // A chain of single copies is no danger to memory but would be to the stack.
+  // A chain of single copies is no risk to memory, but to the stack.
   resources = object(1);
   for (int level = 2; level < 200; ++level)
     resources += object(level, "<components><component objectid=\"" + std::to_string(level - 1) + "\"/></components>");
@@ -259,7 +259,7 @@ TEST_F(ThreeMf, CopiesOfCopiesAreRefusedBeforeTheyAreMade) {
 
 // --- writing ---
 
-// An octahedron with a colour per face, coordinates that need all 24 bits.
+// An octahedron with a colour per face and coordinates of 24 bits.
 Mesh octahedron() {
   Mesh m;
   m.vertices = {{0.1, 0, 0}, {-1.0 / 3, 0, 0}, {0, 16777215, 0}, {0, -2, 0}, {0, 0, 1e-30}, {-0.0, 0, -1e-41}};
@@ -302,7 +302,7 @@ TEST_F(ThreeMf, CommentsAreEscaped) {
 
 #ifdef KERF_HAS_LIB3MF
 
-// lib3mf 1.8 never closes the entries it opens in the archive: not a leak of ours.
+// lib3mf 1.8 never closes the archive entries it opens: not a leak of Kerf.
 struct LeaksOfOthers {
 #if defined(__SANITIZE_ADDRESS__)
   __lsan::ScopedDisabler off;

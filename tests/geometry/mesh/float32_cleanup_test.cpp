@@ -10,7 +10,7 @@
 namespace kerf::float32_cleanup_test {
 namespace {
 
-/// A cylinder-like closed strip: a grid of quads around, two poles. Positions may be set by the test.
+/// A closed strip like a cylinder: a grid of quads around, two poles. A test may set positions.
 Mesh ball(int rings, int sectors, double r, const Vec3d& at) {
   Mesh m;
   m.vertices.push_back(at + Vec3d(0, 0, r));
@@ -33,7 +33,7 @@ Mesh ball(int rings, int sectors, double r, const Vec3d& at) {
   return m;
 }
 
-/// Splits triangle t at a point inside, three new triangles (the last two at the end).
+/// Splits triangle t at a point inside: three new triangles (the last two at the end).
 std::uint32_t splitAt(Mesh& m, std::size_t t, const Vec3d& p) {
   const auto v = static_cast<std::uint32_t>(m.vertices.size());
   m.vertices.push_back(p);
@@ -60,7 +60,7 @@ TEST(Float32Cleanup, SliversAndShortEdgesVanishAndFixedVerticesStay) {
   for (Vec3d& p : m.vertices) p = roundedToFloat(p);
   const std::vector<Vec3d> source = m.vertices;
   std::vector<char> fixed(m.vertices.size(), 1);
-  // New vertices as a boolean leaves them: a few nanometres from a corner and from an edge of existing triangles.
+  // New vertices of a boolean: a few nanometres from a corner and from an edge of existing triangles.
   for (std::size_t t = 100; t < 400; t += 7) {
     const Vec3d a = m.corner(t, 0), b = m.corner(t, 1), c = m.corner(t, 2);
     const double w = (t % 2) ? 1e-7 : 1e-5;
@@ -90,7 +90,7 @@ TEST(Float32Cleanup, SliversAndShortEdgesVanishAndFixedVerticesStay) {
 }
 
 TEST(Float32Cleanup, RoundingRounds) {
-  // Two neighbours in memory: what g++ 12 vectorises, and then does not do.
+  // Two neighbours in memory: g++ 12 vectorises them, and then omits the rounding.
   std::vector<Vec3d> points;
   for (int i = 1; i < 50; ++i) points.push_back({std::sin(i), std::cos(i), std::sqrt(i)});
   std::size_t changed = 0;
@@ -121,7 +121,7 @@ TEST(Float32Cleanup, CleanMeshIsLeftAlone) {
 
 TEST(Float32Cleanup, WhatCannotBeMendedIsReported) {
   Mesh m = ball(8, 16, 5, Vec3d::Zero());
-  append(m, ball(8, 16, 5, {3, 0, 0}));  // two balls through each other: no clean-up may hide that
+  append(m, ball(8, 16, 5, {3, 0, 0}));  // two balls through each other: the clean-up must not hide that
   for (Vec3d& p : m.vertices) p = roundedToFloat(p);
   std::vector<char> fixed(m.vertices.size(), 1);
   const std::vector<Vec3d> before = m.vertices;

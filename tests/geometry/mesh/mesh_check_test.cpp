@@ -108,7 +108,7 @@ TEST(MeshCheck, CavityIsFineAndInsideOutIsNot) {
   EXPECT_EQ(checkMesh(flipped(cube({0, 0, 0}))).inward_pieces, 1u);
 }
 
-// Two vertices 1e-9 mm apart are one vertex in the file: what is a sound mesh in double is none in print.
+// Two vertices 1e-9 mm apart are one vertex in the file: a mesh can be sound in double and broken in print.
 TEST(MeshCheck, JudgesTheMeshAsRoundedToFloat32) {
   Mesh m = cube({100, 0, 0});
   // Split the corner 0 by a sliver: 0 and the new vertex 8 differ only in double.

@@ -11,13 +11,13 @@ namespace {
 
 TEST(RayHits, ABoxIsEnteredAndLeftOnceWhereverItIsMet) {
   const Mesh m = box({-1, -2, -3}, {1, 2, 3});
-  // In a face, on the diagonal between its two triangles, on an edge's vertex, beside.
+  // In a face, on the diagonal between its two triangles, on a vertex of an edge, beside.
   for (const Vec3d& at : {Vec3d(0.3, 0.2, 9), Vec3d(0, 0, 9), Vec3d(0.5, 1, 9), Vec3d(-0.5, -1, 9)}) {
     const auto hits = rayHits(m, at, {0, 0, -2});
     ASSERT_EQ(hits.size(), 2u) << at.transpose();
     EXPECT_TRUE(hits[0].enters);
     EXPECT_FALSE(hits[1].enters);
-    EXPECT_NEAR(hits[0].way, 3, 1e-12);  // in lengths of the direction
+    EXPECT_NEAR(hits[0].way, 3, 1e-12);  // in lengths of the direction vector
     EXPECT_NEAR(hits[1].way, 6, 1e-12);
   }
   EXPECT_TRUE(rayHits(m, {1.1, 0, 9}, {0, 0, -1}).empty());
@@ -49,7 +49,7 @@ TEST(RayHits, LieOnASphereAndAlternate) {
 TEST(RayHits, ThroughVerticesEnterAndLeave) {
   const Mesh m = ball(12, 24, 5);
   for (const Vec3d& p : m.vertices) {
-    if (p.head<2>().norm() > 4.9) continue;  // along the equator the ray may touch alone
+    if (p.head<2>().norm() > 4.9) continue;  // along the equator the ray may only touch
     const auto hits = rayHits(m, {p.x(), p.y(), 20}, {0, 0, -1});
     ASSERT_EQ(hits.size(), 2u) << p.transpose();
     EXPECT_NEAR(20 - hits[0].way, std::abs(p.z()), 1e-6);

@@ -1,5 +1,5 @@
-// The readers and checkMesh against real scans, measured independently. The scans are not part of the project: set
-// KERF_DATA to the folder that holds them, or put it beside the sources as shared/data.
+// The readers and checkMesh against real scans with independent measurements. The scans are not part of the project:
+// set KERF_DATA to their folder, or put it beside the sources as shared/data.
 #include <gtest/gtest.h>
 
 #include <chrono>

@@ -10,7 +10,7 @@ namespace {
 
 using Pairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
-// The same question answered in exact integers, all pairs, without boxes, filters or CGAL.
+// The same test in exact integers: all pairs, without boxes, filters or CGAL.
 namespace reference {
 
 using P = std::array<std::int64_t, 3>;
@@ -96,7 +96,7 @@ TEST(SelfIntersection, AgreesWithIntegersOnRandomSoups) {
   std::mt19937 random(20261);
   std::size_t found = 0, clean = 0;
   for (int round = 0; round < 3000; ++round) {
-    // Small grids give touching, coplanar, collinear and folded cases in plenty; large ones the general case.
+    // Small grids give many touching, coplanar, collinear and folded cases; large grids give the general case.
     const int extent = std::array{2, 3, 6, 40}[static_cast<std::size_t>(round % 4)];
     std::uniform_int_distribution<int> coordinate(0, extent);
     std::vector<reference::P> points(10);
@@ -106,7 +106,7 @@ TEST(SelfIntersection, AgreesWithIntegersOnRandomSoups) {
     std::uniform_int_distribution<std::uint32_t> index(0, static_cast<std::uint32_t>(points.size() - 1));
     std::vector<Triangle> triangles(10);
     for (Triangle& t : triangles) t = {index(random), index(random), index(random)};
-    // A shift and scale that stay exact in double.
+    // A shift and scale that are exact in double.
     std::vector<Vec3d> vertices;
     for (const auto& p : points)
       vertices.emplace_back(200 + 0.125 * static_cast<double>(p[0]), 0.125 * static_cast<double>(p[1]),
@@ -186,7 +186,7 @@ TEST(SelfIntersection, AnswerDoesNotDependOnThreads) {
   EXPECT_EQ(selfIntersections(v, triangles, 7), some);
 }
 
-// Otherwise 200 million pairs.
+// This avoids 200 million pairs.
 TEST(SelfIntersection, ALimitedSearchOfOneTriangleManyTimesIsShort) {
   const std::vector<Vec3d> v{{0, 0, 0}, {10, 0, 0}, {0, 10, 0}};
   const std::vector<Triangle> copies(20'000, Triangle{0, 1, 2});

@@ -7,7 +7,7 @@
 namespace kerf::solids_test {
 namespace {
 
-// Turned inside out if it is a cavity.
+// Turned inside out for a cavity.
 Mesh cube(const Vec3d& center, double side, bool is_cavity = false) {
   Mesh out;
   for (int n = 0; n < 8; ++n)
@@ -19,7 +19,7 @@ Mesh cube(const Vec3d& center, double side, bool is_cavity = false) {
   return out;
 }
 
-// A box with a cavity in which a smaller box floats, that has a cavity, too; and a box beside it.
+// A box with a cavity that contains a smaller box, also with a cavity; and a box beside it.
 Mesh nested() {
   Mesh out = cube({0, 0, 0}, 10);
   append(out, cube({0, 0, 0}, 6, true));
@@ -70,7 +70,7 @@ TEST(Solids, PiecesAreCountedAsPeopleCountThem) {
   for (int n = 0; n < 4; ++n) append(mesh, cube({10.0 + 2 * n, 0, 0}, 0.5));
   append(mesh, cube({0, 20, 0}, 2));  // a small piece, no speck
   EXPECT_EQ(describe(countPieces(mesh)), "6 pieces, 4 of them specks (below 1 mm3, 0.5 mm3 together)");
-  // Beside an object as small as that it is none.
+  // Beside an object equally small it is no speck.
   Mesh small = cube({0, 0, 0}, 0.6);
   append(small, cube({2, 0, 0}, 0.5));
   EXPECT_EQ(countPieces(small).specks, 0u);

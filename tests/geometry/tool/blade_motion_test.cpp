@@ -21,7 +21,7 @@ TEST(BladeMotions, HaveNamesOfTheirOwnAndAreFoundByThem) {
   EXPECT_EQ(findBladeMotion(""), nullptr);
 }
 
-// Every row must have a tool in the rack: that is what tests its drawing, its sound and what it removes.
+// Every row must have a tool in the rack, which tests its drawing, its sound and its removal.
 TEST(BladeMotions, HaveEachAToolInTheRackThatCutsAndMoves) {
   std::set<const BladeMotion*> seen;
   for (const ToolListing& listing : listTools({std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools"})) {

@@ -8,7 +8,7 @@
 namespace kerf::head_shape_test {
 namespace {
 
-// An outline that the rest of Kerf can trust: from the axis to the axis, upwards, off the axis in between, finite.
+// A valid outline: from axis to axis, upwards, off the axis in between, finite.
 void expectSound(const RevolvedProfile& head, const std::string& what) {
   ASSERT_FALSE(head.pieces().empty()) << what;
   EXPECT_EQ(head.pieces().front().from, RevolvedProfile::Point(0, 0)) << what;
@@ -29,7 +29,7 @@ void expectSound(const RevolvedProfile& head, const std::string& what) {
 
 TEST(HeadShape, AnyNumbersMakeASoundHeadOrAMistakeThatNamesItsKey) {
   std::mt19937 engine(17);
-  const auto any = [&](double low, double high) {  // as often small as large
+  const auto any = [&](double low, double high) {  // small and large equally often
     const double t = std::uniform_real_distribution<double>(0, 1)(engine);
     return std::max(low, 1e-3) * std::pow(high / std::max(low, 1e-3), t);
   };
@@ -106,7 +106,7 @@ TEST(HeadShape, ArcsMeetTheirNeighboursWithoutAKink) {
     const auto& pieces = head->pieces();
     for (std::size_t i = 0; i + 1 < pieces.size(); ++i) {
       const auto &low = pieces[i], &high = pieces[i + 1];
-      if (low.arc_radius == 0) continue;  // an arc's beginning may be an edge: a flat end, a point
+      if (low.arc_radius == 0) continue;  // an arc may start at an edge: a flat end, a point
       const Eigen::Vector2d radius = (low.to - low.center) / low.arc_radius;
       if (high.to[1] == high.from[1]) continue;  // the flat top
       const Eigen::Vector2d across = high.arc_radius > 0 ? (high.from - high.center).normalized()

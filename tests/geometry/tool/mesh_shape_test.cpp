@@ -37,7 +37,7 @@ TEST(MeshShape, OfABoxIsTheBoxsFormula) {
     const Vec3d p = random.point(3);
     EXPECT_NEAR(mesh.distance(p), exact.distance(p), 1e-12) << p.transpose();
   }
-  // Straight out from edges and corners the side is decided by pseudonormals.
+  // Straight out from edges and corners, pseudonormals decide the side.
   for (const Vec3d& p : {Vec3d(0.5, 0.3, 2), Vec3d(0.5, 0.3, 0), Vec3d(-0.5, -0.2, -1)}) {
     EXPECT_GT(mesh.distance(p + 0.01 * (p - box.center())), 0);
     EXPECT_LT(mesh.distance(p - 0.01 * (p - box.center())), 0);
@@ -71,7 +71,7 @@ TEST(MeshShape, TheConvexPartBelowALevelIsClosedAndCutOff) {
   Mesh two = ball;
   append(two, ballMesh({3, 0, 0.7}, 0.7, 16));
   EXPECT_FALSE(convexPartBelow(two, 0.5));
-  // A waist: convex below it, not beyond.
+  // A waist: convex below it, concave beyond.
   Mesh waisted = boxMesh({Vec3d(-1, -1, 0), Vec3d(1, 1, 1)});
   for (std::size_t v = 4; v < 8; ++v) waisted.vertices[v] *= 0.5;
   EXPECT_TRUE(convexPartBelow(waisted, 0.3));

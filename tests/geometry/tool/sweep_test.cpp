@@ -48,7 +48,7 @@ TEST(Sweep, BallOnALineIsACapsule) {
 }
 
 TEST(Sweep, BallTurnedAboutItsTipIsASectionOfATorus) {
-  // The tip stays, the centre runs 0.7 mm away on a circle in the plane of x and z by 100 degrees.
+  // The tip stays. The centre, 0.7 mm away, moves on a circle in the xz plane by 100 degrees.
   const double angle = 100 * std::numbers::pi / 180;
   const SweptTool sweep(ball(), {}, {Eigen::Quaterniond(Eigen::AngleAxisd(angle, Vec3d::UnitY())), Vec3d::Zero()});
   Random random;
@@ -95,7 +95,7 @@ TEST(Sweep, IsTheMinimumOverManyPoses) {
       sampled = std::min(sampled, taper().distance(between(from, to, n / 2000.0).inverse() * x));
     const double d = SweptTool(taper(), from, to).distance(x, kNever, kTolerance);
     EXPECT_LE(d, sampled + kTolerance + 1e-9);
-    EXPECT_GE(d, sampled - 0.01);  // at most 15 mm of way in 2000 steps
+    EXPECT_GE(d, sampled - 0.01);  // at most 15 mm of path in 2000 steps
   }
 }
 

@@ -35,7 +35,7 @@ Points pointsAround(const Box3& box, double margin, int n, unsigned seed) {
   return p;
 }
 
-// Every tool of the rack: within the margin the table is the distance, beyond it a lower bound above the margin.
+// Every tool of the rack: the table is the distance within the margin, and a lower bound above the margin beyond it.
 TEST(ToolField, TablesHoldTheDistanceOfEveryToolOfTheRack) {
   int tools = 0;
   for (const ToolListing& listing : listTools(defaultToolFolders())) {
@@ -52,7 +52,7 @@ TEST(ToolField, TablesHoldTheDistanceOfEveryToolOfTheRack) {
         const Vec3f at(p.x[n], p.y[n], p.z[n]);
         const double exact = shape->distance(at.cast<double>());
         const double got = static_cast<double>(d[n]);
-        // Interpolation errs by less than half a spacing at the sharpest corner.
+        // Interpolation error is below half a spacing at the sharpest corner.
         if (exact < 0.45) {
           ASSERT_NEAR(got, exact, 0.5 * spacing) << tool.id << " at " << at.transpose();
         } else {
@@ -98,7 +98,7 @@ TEST(ToolField, OfABoxIsItsDistanceToTheRounding) {
     ASSERT_NEAR(static_cast<double>(d[n]), box.distance(at.cast<double>()), 2e-6) << at.transpose();
   }
 
-  // Eight points are looked up at once. Before a side and inside there is a shorter way, which must give the same bits.
+  // The lookup handles eight points at once. Its shortcuts for points beside and inside must give the same bits.
   for (const Vec3f& from :
        {Vec3f(0.25f, 0.3f, 3), Vec3f(0.7f, 0.1f, 20), Vec3f(0.1f, -0.05f, -1.7f), Vec3f(0.2f, 0.1f, 9)}) {
     Points before, mixed;
@@ -133,7 +133,7 @@ TEST(ToolField, OnlyWhatHasFlatSidesLeavesAnOverlapAlone) {
   EXPECT_EQ(leastOf("disc-22"), 0);
 }
 
-// A session recorded on one machine replays on another: whatever instructions it has, the bits are the same.
+// A session recorded on one machine replays on another: all instruction sets give the same bits.
 TEST(ToolField, AllInstructionSetsGiveTheSameBits) {
   for (const char* id : {"round-014", "saw-reciprocating-25", "saw-sagittal-10"}) {
     const auto file = findToolFile(id, defaultToolFolders());

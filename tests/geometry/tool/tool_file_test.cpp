@@ -25,7 +25,7 @@ Tool bur(const std::string& keys) {
   return tool ? *tool : Tool{};
 }
 
-// The definition, by brute force: at every level the widest radius that has passed.
+// The definition, by brute force: at every level, the maximum radius that has passed.
 double plungedNumerically(const Tool& tool, double depth) {
   constexpr int kSteps = 200000;
   double sum = 0, widest = 0;
@@ -105,7 +105,7 @@ TEST(ToolFile, EveryShapeIsWrittenFromItsExamplesAndExplainedInTheReadme) {
       const Tool tool = bur(keys);
       ASSERT_TRUE(tool.head) << keys;
       EXPECT_NEAR(tool.head->largestRadius(), 0.8, 1e-9) << shape.name;
-      EXPECT_TRUE(tool.cut->isConvex()) << shape.name;  // the sweep of a convex shape is bracketed by its slopes
+      EXPECT_TRUE(tool.cut->isConvex()) << shape.name;  // the slopes bracket the sweep of a convex shape
       for (const double depth : {0.2, 0.9, 1.7, 2.9, 9.0})
         EXPECT_NEAR(plungeVolume(tool, depth) / plungedNumerically(tool, depth), 1, 2e-5) << shape.name << depth;
     }
@@ -139,10 +139,10 @@ TEST(ToolFile, WhatDoesNotCutOnlyCollides) {
   EXPECT_LT(side.cut->distance(Vec3d(0.4, 0, 3)), 0);
   EXPECT_GT(side.cut->distance(Vec3d(0, 0, 0.2)), 0);
   EXPECT_LT(side.body->distance(Vec3d(0, 0, 0.2)), 0);
-  EXPECT_EQ(side.plunge_direction, Vec3d(-1, 0, 0));  // its tip is in the way
+  EXPECT_EQ(side.plunge_direction, Vec3d(-1, 0, 0));  // the tip blocks it
   EXPECT_NEAR(plungeVolume(side, 0.5), 3.6 * kPi * 0.25 / 2, 1e-9);
   EXPECT_NEAR(plungeVolume(side, 1.5), 3.6 * (kPi * 0.25 / 2 + 1), 1e-9);
-  // A drill's point and the land behind it are its end, unless the file says otherwise.
+  // A drill's end is its point and the land behind it, unless the file specifies another.
   const Tool drill =
       bur("shape = \"drill\"\nhead_diameter = 2\nhead_length = 10\npoint_angle = 90\ncuts = [\"end\"]\n");
   EXPECT_NEAR(drill.cutting->highest(), 1.5, 1e-12);
@@ -365,7 +365,7 @@ TEST(Tool, SagittalBladeSweepsASectorOfItsKerf) {
   EXPECT_NEAR(tool->sweptWidth(), 2 * half, 1e-12);
   EXPECT_NEAR(tool->cut->bounds().max[0], half, 1e-12);
   EXPECT_TRUE(tool->cut->isConvex());
-  double area = 0;  // columns of what is below z = 0 when the tip stands 2 mm deep
+  double area = 0;  // columns of the part below z = 0 with the tip 2 mm deep
   const int n = 100000;
   for (int i = 0; i < n; ++i) {
     const double x = half * (2 * (i + 0.5) / n - 1);

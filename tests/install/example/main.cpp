@@ -1,5 +1,5 @@
-// example CASE: presses a bur into the object for a second, from z = 0 down, and says what the hand felt and how much
-// went.
+// example CASE: presses a bur into the object for a second, from z = 0 down, and prints the force and the removed
+// volume.
 #include <algorithm>
 #include <cstdio>
 #include <exception>

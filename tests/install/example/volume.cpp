@@ -1,4 +1,4 @@
-// Says how large a label volume is: what reads it is loaded from the installed Kerf.
+// Prints the size of a label volume. The reader is loaded from the installed Kerf.
 #include "preprocess/volume/label_volume.h"
 
 #include <cstdio>

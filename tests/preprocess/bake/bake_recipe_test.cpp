@@ -1,4 +1,4 @@
-// Recipes baked into cases: made-up parts here, real ones where the data is (KERF_DATA).
+// Recipes baked into cases: synthetic parts here, real parts where the data is (KERF_DATA).
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -26,7 +26,7 @@ void write(const fs::path& path, const std::string& text) { std::ofstream(path, 
 
 const std::string kHead = "format = \"kerf-recipe\"\nversion = 1\n";
 
-// A tooth of a dentin ball with a pulp ball in it.
+// A dentin ball with a pulp ball in it, as a tooth.
 fs::path toothRecipe(const fs::path& folder) {
   EXPECT_TRUE(writeMesh(folder / "tooth.ply", ballMesh({10, 0, 0}, 3, 60)));
   EXPECT_TRUE(writeMesh(folder / "pulp.ply", ballMesh({10.03, 0.02, 0.54}, 1, 60)));
@@ -62,7 +62,7 @@ TEST(BakeRecipe, PartsFarTooLargeAreRefusedBeforeTheyAreClosed) {
   const TemporaryFolder folder;
   const fs::path recipe = toothRecipe(folder.path());
   BakeOptions options;
-  options.unit = "m";  // 6 mm are 6 m
+  options.unit = "m";  // 6 mm as 6 m
   bool was_uniting = false;
   const auto refused = bakeRecipe(recipe, folder.path() / "tooth.case", options, [&](double, std::string_view what) {
     was_uniting = was_uniting || what == "welding" || what == "uniting parts";
@@ -92,13 +92,13 @@ TEST(BakeRecipe, AnOpenPartIsRefusedWithAWayOutThatWorks) {
   EXPECT_NE(again.error().message().find("tooth.toml"), std::string::npos) << again.error().message();
   EXPECT_NE(again.error().hint.find("kerf export"), std::string::npos);
 
-  // The way out.
+  // The remedy.
   ASSERT_TRUE(bake({folder.path() / "tooth.ply"}, folder.path() / "part.case", base));
   const auto solid = readCaseSolid(folder.path() / "part.case");
   ASSERT_TRUE(solid && writeMesh(folder.path() / "tooth.ply", *solid));
   EXPECT_TRUE(bakeRecipe(recipe, out, {}));
 
-  // A closed mesh alone: which one, and what then.
+  // A closed mesh alone: the error names the file and the remedy.
   const auto closed = bake({folder.path() / "pulp.ply"}, folder.path() / "pulp.case", base);
   ASSERT_FALSE(closed);
   EXPECT_NE(closed.error().message().find("pulp.ply: a closed mesh, which needs no base"), std::string::npos)
@@ -134,7 +134,7 @@ TEST(BakeRecipe, NothingIsBakedTwiceButAnyChangeBakesAgain) {
 
 TEST(BakeRecipe, ALabelBesideMeshesKeepsItsPlaceAndTheOutlineBounds) {
   const TemporaryFolder folder;
-  constexpr int kSide = 24;  // of 0.5 mm; a bar of 2 x 2 mm runs through all of it, and out of a ball of 4 mm
+  constexpr int kSide = 24;  // of 0.5 mm; a bar of 2 x 2 mm passes through the whole volume, and out of a ball of 4 mm
   const Vec3d center(5.75, 5.75, 5.75);
   std::string values;
   double bar_in_ball = 0;
@@ -181,7 +181,7 @@ TEST(BakeRecipe, TheSameVoxelFromRecipeOrCallerIsTheSameCase) {
   EXPECT_TRUE(second->was_up_to_date);
 }
 
-// A ball of label 1, its radius in voxels of 0.5 mm, as the values of a 24 x 24 x 24 volume.
+// A ball of label 1, its radius in voxels of 0.5 mm, as values of a 24 x 24 x 24 volume.
 std::string ballLabels(double radius) {
   std::string values;
   for (int k = 0; k < 24; ++k)
@@ -311,7 +311,7 @@ fs::path dataFolder() {
   return given ? fs::path(given) : fs::path(KERF_SOURCE_DIR) / ".." / "shared" / "data";
 }
 
-// Parts of a recipe from files of the data folder; the paths are absolute.
+// Parts of a recipe from files of the data folder, with absolute paths.
 std::string partsOf(const std::vector<std::pair<const char*, const char*>>& parts) {
   std::string text;
   for (const auto& [material, file] : parts)
@@ -369,7 +369,7 @@ TEST(BakeRecipeData, LowerJawOfACbctKeepsEachLabelsVolume) {
   KERF_SLICE_OF(3, "jaws");
   if (!fs::exists(dataFolder() / "cbct-jaws-teeth-labels.nii.gz")) GTEST_SKIP() << "no data: " << dataFolder();
   const TemporaryFolder folder;
-  // Cracks of a tenth of a millimetre run between bone and canal: coarser voxels fill them, and the canal gains 2 %.
+  // Cracks of a tenth of a millimetre run between bone and canal. Coarser voxels fill them, and the canal gains 2 %.
   write(folder.path() / "jaw.toml", "voxel = 0.1\n" + labelsOf("cbct-jaws-teeth-labels.nii.gz", "",
                                                                {{"nerve_canal", 5}, {"dentin", 4}, {"cortical", 2}}));
   const auto report = bakeRecipe(folder.path() / "jaw.toml", folder.path() / "jaw.case", {});
@@ -388,7 +388,7 @@ TEST(BakeRecipeData, SkullPhantomByAThresholdKeepsItsVolume) {
     again.overwrite = true;
     return bakeRecipe(folder.path() / "skull.toml", folder.path() / "skull.case", again);
   };
-  // Sheets of a voxel or two, which chords thin by 3 % if nothing is done about it.
+  // Sheets of a voxel or two. Without a correction, chords thin them by 3 %.
   const auto report = bakeWith("spacing = [1, 1, 1]\nthreshold = 120\n");
   ASSERT_TRUE(report) << report.error().message();
   fmt::print("{}", describe(*report));

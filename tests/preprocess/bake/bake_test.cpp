@@ -48,7 +48,7 @@ TEST(Bake, WhatClosingWarnsOfIsAWarningOfTheReport) {
   EXPECT_EQ(describe(*report).find("closing: the object is only"), std::string::npos) << describe(*report);
 }
 
-// Two plates with 0.1 mm between them are one for voxels of 0.2 mm, and 4 mm could as well be inches.
+// Voxels of 0.2 mm join two plates 0.1 mm apart, and the unit of 4 mm could also be inches.
 TEST(Bake, WhatItWarnedOfIsToldAgainWhenNothingIsBaked) {
   const TemporaryFolder folder;
   const fs::path mesh = folder.path() / "plates.stl";
@@ -180,13 +180,13 @@ TEST(Bake, AnObjectSmallerThanAVoxelIsRefusedBeforeItIsClosed) {
   for (const char* said : {"metres.stl", "0.2 mm for an object of 0.1", "--unit", "in m"})
     EXPECT_NE(refused.error().message().find(said), std::string::npos) << refused.error().message();
   EXPECT_FALSE(fs::exists(out));
-  options.voxelize.voxel_mm = 0.005;  // whoever insists
+  options.voxelize.voxel_mm = 0.005;  // on explicit request
   const auto baked = bake({mesh}, out, options);
   ASSERT_TRUE(baked) << baked.error().message();
   EXPECT_TRUE(baked->unit_is_doubtful[0]);
 }
 
-// An arch of 60 mm that is taken for 60 m was closed for more than ten minutes before its field was refused.
+// An arch of 60 mm read as 60 m once took more than ten minutes to close before Kerf refused its field.
 TEST(Bake, AnObjectFarTooLargeIsRefusedBeforeItIsClosed) {
   const TemporaryFolder folder;
   const fs::path mesh = folder.path() / "arch.stl", out = folder.path() / "x.case";
@@ -206,7 +206,7 @@ TEST(Bake, AnObjectFarTooLargeIsRefusedBeforeItIsClosed) {
     EXPECT_NE(refused.error().message().find(said), std::string::npos) << refused.error().message();
   EXPECT_FALSE(fs::exists(out));
 
-  // 600 mm are closed, but its field would not fit.
+  // 600 mm can be closed, but the field would not fit.
   options.unit = "cm";
   options.voxelize.max_bytes = 1 << 30;
   const auto too_fine = bake({mesh}, out, options, watch);
@@ -229,7 +229,7 @@ TEST(Bake, WhereVerticesAreLostTogetherIsSaidFirst) {
   EXPECT_EQ(describe(report).find("together"), std::string::npos) << describe(report);
 }
 
-// Three windows open one scan: who comes last finds the case that it would have written.
+// Three windows open one scan: the last one finds the finished case.
 TEST(Bake, ACaseThatAnotherProgramWroteMeanwhileIsTakenIfItIsTheSame) {
   const TemporaryFolder folder;
   const fs::path mesh = folder.path() / "ball.stl", out = folder.path() / "ball.case";

@@ -104,7 +104,7 @@ Expected<std::array<BakeReport, 2>> bakeArches(const TemporaryFolder& folder, co
 
 TEST(Pair, BasesOfJawsThatMeetAreExactlyParallel) {
   const TemporaryFolder folder;
-  // The upper jaw upside down, its cusps 1 mm into the lower's, and askew by 4 degrees.
+  // The upper jaw upside down, its cusps 1 mm into the lower jaw's, and askew by 4 degrees.
   const auto reports = bakeArches(folder, arch(), turned(arch(), std::numbers::pi - 0.07, {0, 0, 19}));
   ASSERT_TRUE(reports) << reports.error().message();
   ASSERT_TRUE((*reports)[0].pair_check);

@@ -41,7 +41,7 @@ double degrees(const Vec3d& a, const Vec3d& b) {
   return std::acos(std::clamp(a.normalized().dot(b.normalized()), -1.0, 1.0)) * 180 / std::numbers::pi;
 }
 
-/// How far the vertices at the base lie from the plane {direction . x = level}, and how many there are.
+/// Distance of the base vertices from the plane {direction . x = level}, and their number.
 struct Flatness {
   double worst = 0;
   std::size_t vertices = 0;
@@ -95,7 +95,7 @@ TEST(Base, TakesAGivenPlaneEitherWayRound) {
   const Vec3d normal(0.05, -0.1, 0.99);
   const Solid up = closed(m, {.occlusal_plane = GivenPlane{normal}});
   const Solid down = closed(m, {.occlusal_plane = GivenPlane{-3 * normal}});
-  // The normals differ in their last bit: so may the walls, which sums of many terms place.
+  // The normals differ in their last bit. The walls may differ too, as sums of many terms place them.
   ASSERT_EQ(up.mesh.vertices.size(), down.mesh.vertices.size());
   for (std::size_t v = 0; v < up.mesh.vertices.size(); ++v)
     EXPECT_LT((up.mesh.vertices[v] - down.mesh.vertices[v]).norm(), 1e-4);
@@ -135,7 +135,7 @@ TEST(Base, FullStandsOnAPlateThatFloorsTheTonguesPlace) {
   EXPECT_EQ(full.report.triangles_kept, m.triangles.size());
   EXPECT_EQ(edgeConnectedPieces(full.mesh).count, 1u);
   EXPECT_EQ(full.report.base_level_mm, horseshoe.report.base_level_mm);
-  // Half a disc of the outer radius, less half a ring: 1.8 mm of plate over the tongue's place.
+  // Half a disc of the outer radius, less half a ring: 1.8 mm of plate below the place of the tongue.
   const double tongue = 0.5 * std::numbers::pi * 17.5 * 17.5;
   EXPECT_NEAR(signedVolume(full.mesh) - signedVolume(horseshoe.mesh), 1.8 * tongue, 0.02 * 1.8 * tongue);
   EXPECT_EQ(flatness(full).worst, 0);

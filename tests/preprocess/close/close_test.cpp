@@ -20,7 +20,7 @@ TEST(Close, CleanSolidIsLeftAlone) {
   for (std::uint32_t t = 0; t < s.source_triangle.size(); ++t) EXPECT_EQ(s.source_triangle[t], t);
 }
 
-/// Walls whose volume a formula gives.
+/// Walls with a volume by formula.
 const CloseOptions kStraight{.base_smoothing_mm = 0};
 
 TEST(Close, OpenBoxGetsABaseOfTheRightVolume) {
@@ -100,7 +100,7 @@ Mesh tray(int n, double r, double height) {
   return m;
 }
 
-// Few edges around, however long they are: no underside is missing where a triangle or a corner is.
+// A few long edges around it: a missing triangle or corner is no missing underside.
 TEST(Close, WhereATriangleOfACoarseSolidIsMissingItIsFilled) {
   const Mesh whole = box({0, 0, 0}, {3, 4, 5});
   for (std::size_t n = 0; n < 12; ++n)
@@ -117,7 +117,7 @@ TEST(Close, WhereATriangleOfACoarseSolidIsMissingItIsFilled) {
   m.triangles.erase(m.triangles.begin() + 4);
   m.triangles.erase(m.triangles.begin());
   EXPECT_EQ(closed(m).report.rims_extruded, 0u);
-  // Beside a true rim it stays a hole.
+  // Beside a true rim it remains a hole.
   Mesh open = ball(24, 48, 30);
   std::erase_if(open.triangles, [&](const Triangle& f) {
     return std::any_of(f.begin(), f.end(), [&](std::uint32_t v) { return open.vertices[v].z() < -0.1; });
@@ -171,7 +171,7 @@ TEST(Close, ObliqueBallsUniteWithinRounding) {
   // Union + intersection = sum; the lens by the formula for balls, about 1 % too large for these polyhedra.
   const double d = Vec3d(3.3, 1.7, -2.2).norm(), lens = M_PI * (10 - d) * (10 - d) * (d * d + 20 * d) / (12 * d);
   EXPECT_NEAR(signedVolume(s.mesh), 2 * signedVolume(b) - lens, 0.03 * lens);
-  // Every ball vertex outside the other ball is still there.
+  // Every ball vertex outside the other ball survives.
   std::set<std::array<double, 3>> places;
   for (const Vec3d& p : s.mesh.vertices) places.insert({p.x(), p.y(), p.z()});
   for (const Vec3d& p : b.vertices)
@@ -226,7 +226,7 @@ Mesh gridBox(const Vec3d& lo, const Vec3d& hi, double step) {
   return m;
 }
 
-// Mirrored objects come inside out: whatever they touch or cross, they are united, not subtracted.
+// Mirrored objects are inside out. Pieces that touch or cross others are united, not subtracted.
 TEST(Close, APieceInsideOutThatTouchesOrCrossesOthersIsUnited) {
   const auto side = [](double x) { return box({x, 0, 0}, {x + 10, 10, 10}); };
   for (std::size_t wrong = 0; wrong < 3; ++wrong) {
@@ -242,7 +242,7 @@ TEST(Close, APieceInsideOutThatTouchesOrCrossesOthersIsUnited) {
     }
   }
 
-  // Crossing, with vertices in, on and beside the lines of the other; sharing faces, an edge of the overlap, a corner.
+  // Crossing, with vertices in, on and beside the other's lines; sharing faces, an edge of the overlap, a corner.
   struct Pair {
     Vec3d lo;
     double volume;
@@ -260,7 +260,7 @@ TEST(Close, APieceInsideOutThatTouchesOrCrossesOthersIsUnited) {
 TEST(Close, OfAHollowSolidThatIsInsideOutTheCavityStays) {
   const Mesh hollow = both(box(0, 10), flipped(box(3, 6)));
   EXPECT_DOUBLE_EQ(signedVolume(closed(flipped(hollow)).mesh), 973);
-  // Beside one that is right, with a solid in the cavity.
+  // Beside a correct one, with a solid in the cavity.
   const Mesh three = both(hollow, box(4, 5));
   EXPECT_DOUBLE_EQ(signedVolume(closed(three).mesh), 974);
   EXPECT_DOUBLE_EQ(signedVolume(closed(flipped(three)).mesh), 974);
@@ -269,7 +269,7 @@ TEST(Close, OfAHollowSolidThatIsInsideOutTheCavityStays) {
   EXPECT_DOUBLE_EQ(signedVolume(closed(both(three, beside)).mesh), 2 * 974);
 }
 
-// What an open piece holds may be a cavity of it, and a folded triangle elsewhere says nothing of that.
+// A piece inside an open piece may be its cavity, and a folded triangle elsewhere does not affect that.
 TEST(Close, TheCavityOfAnOpenPieceStaysBesideAFoldedTriangle) {
   Mesh m = both(box(0, 10), flipped(box(3, 6)));
   m.triangles.erase(m.triangles.begin(), m.triangles.begin() + 2);  // the floor
@@ -302,7 +302,7 @@ TEST(Close, FlippedPatchIsTurned) {
 TEST(Close, CubesGluedFaceToFaceBecomeOne) {
   const Solid s = closed(both(box({0, 0, 0}, {2, 2, 2}), box({2, 0, 0}, {4, 2, 2})));
   EXPECT_DOUBLE_EQ(signedVolume(s.mesh), 16);
-  // The same where the common wall is a part of the larger face only.
+  // The same where the common wall is part of the larger face only.
   EXPECT_DOUBLE_EQ(signedVolume(closed(both(box(0, 2), box({2, 0.5, 0.5}, {3, 1, 1.5}))).mesh), 8.5);
 }
 
@@ -317,15 +317,15 @@ TEST(Close, CubesTouchingInAnEdgeOrACornerAreMovedApart) {
 }
 
 TEST(Close, EdgeTouchingItsOwnSolidIsMovedApart) {
-  // Two bricks on a plate meet in one edge: the material is in one piece, the edge ends at the plate.
+  // Two bricks on a plate meet in one edge: the material is connected, the edge ends at the plate.
   const Solid s =
       closed(both(both(box({0, 0, 0}, {4, 4, 1}), box({0, 0, 0.5}, {2, 2, 3})), box({2, 2, 0.5}, {4, 4, 3})));
   EXPECT_NEAR(signedVolume(s.mesh), 16 + 2 * 8, 0.01);
 }
 
-/// A quarter-pipe scan whose rim crosses itself when seen from above: a sheet that overhangs.
+/// A quarter-pipe scan with a rim that crosses itself when seen from above: a sheet with an overhang.
 TEST(Close, RimThatCrossesItselfInProjectionGetsABase) {
-  // A spiral ribbon over the plane: an arc of 1.2 turns that climbs, 2 wide, normals up.
+  // A spiral ribbon over the plane: a climbing arc of 1.2 turns, 2 wide, normals up.
   Mesh m;
   const int n = 60;
   for (int i = 0; i <= n; ++i) {
@@ -338,8 +338,8 @@ TEST(Close, RimThatCrossesItselfInProjectionGetsABase) {
   }
   const Solid s = closed(m, {.mode = CloseMode::kBase, .base_smoothing_mm = 0, .base_direction = Vec3d(0, 0, -1)});
   EXPECT_EQ(s.report.rims_extruded, 1u);
-  // The ribbon's shadow is the full ring; where it overlaps itself the upper turn decides. Height over the base at z
-  // = 8.
+  // The ribbon's shadow is the full ring. Where it overlaps itself, the upper turn decides. Height over the base at z =
+  // 8.
   double expected = 0;
   const double segment = 0.5 * (36 - 16) * std::sin(2 * M_PI * 1.2 / n);
   for (int i = n / 6; i < n; ++i) expected += segment * (2 + 6.0 * (i + 0.5) / n);
@@ -356,7 +356,7 @@ TEST(Close, VerticalRimEdgesAreNoTrouble) {
 
 TEST(Close, TriangleWithoutAreaOnAnEdgeIsResolved) {
   Mesh m = box(0, 2);
-  // Put a vertex on the edge 0-1 of one of its two triangles and a triangle without area between.
+  // Puts a vertex on the edge 0-1 of one of its two triangles, and a triangle without area between.
   m.vertices.push_back({1, 0, 0});
   for (std::size_t t = 0; t < 12; ++t)
     if (m.triangles[t] == Triangle{0, 1, 4}) {
@@ -526,7 +526,7 @@ TEST(Close, TrianglesOnALineAreRefusedByEveryWay) {
   }
 }
 
-// Seen along the base's direction its rim has no inside.
+// Seen along the base's direction, its rim has no inside.
 TEST(Close, AnUprightTriangleGetsNoBase) {
   const Mesh upright = meshOf({{0, 0, 0}, {4, 0, 0}, {2, 0, 4}}, {{0, 1, 2}});
   const auto refused = closeMesh(upright, {.mode = CloseMode::kBase, .base_direction = -Vec3d::UnitZ()});
@@ -550,12 +550,12 @@ TEST(Close, WhatIsLargerThanTwoMetresIsRefusedBeforeAnyStep) {
   EXPECT_NE(refused.error().hint.find("unit"), std::string::npos) << refused.error().message();
   EXPECT_EQ(findOcclusalPlaneOfScan(box(0, 1500)).error().code, Error::Code::kBadValue);
   EXPECT_TRUE(closeMesh(box(0, 1000)));
-  Mesh small = box(0, 10);  // a vertex that no triangle uses is no part of it
+  Mesh small = box(0, 10);  // a vertex without a triangle is no part of it
   small.vertices.push_back({1e6, 0, 0});
   EXPECT_TRUE(closeMesh(small));
 }
 
-// Files in inches turn 0 into 1e-17 mm here and there.
+// Files in inches sometimes turn 0 into 1e-17 mm.
 TEST(Close, AVertexThatWasWeldedIsNotLost) {
   const Mesh whole = ball(12, 24, 5);
   Mesh m;
@@ -583,7 +583,7 @@ TEST(Close, WhereMostVerticesAreLostIsTold) {
   EXPECT_LT((s.report.lost_at[0].middle - Vec3d(9, 9, 8.5)).norm(), 2);
 }
 
-// All triangles between 40 points, most of which cross: no surface, and minutes if each pair were resolved.
+// All triangles between 40 points. Most of them cross: no surface, and minutes of work if each pair were resolved.
 TEST(Close, AHeapOfTrianglesIsNotResolved) {
   Mesh heap;
   for (std::uint32_t n = 0; n < 40; ++n) {

@@ -1,5 +1,5 @@
-// Every defect scans come with, made on purpose on an arch of our own: the result is a solid, the report names what was
-// done, and the vertices that need no change are kept bit for bit.
+// Every known scan defect, applied to a synthetic arch: the result is a solid, the report names the repairs, and
+// vertices that need no change are kept bit for bit.
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -30,7 +30,7 @@ Mesh arch(int along = 120, int across = 20) {
   return m;
 }
 
-/// Without the triangles that `drop` picks by number and corners.
+/// Removes the triangles that `drop` picks by number and corners.
 template <class F>
 Mesh without(const Mesh& m, F&& drop) {
   std::vector<char> keep;
@@ -39,7 +39,7 @@ Mesh without(const Mesh& m, F&& drop) {
 }
 Vec3d middle(const Mesh& m, std::size_t t) { return (m.corner(t, 0) + m.corner(t, 1) + m.corner(t, 2)) / 3; }
 
-/// How many vertices of `m` are not in the solid, bit for bit.
+/// Number of vertices of `m` missing from the solid, bit for bit.
 std::size_t lost(const Solid& s, const Mesh& m) {
   std::set<std::array<double, 3>> places;
   for (const Vec3d& p : s.mesh.vertices) places.insert({p.x(), p.y(), p.z()});
@@ -68,8 +68,8 @@ TEST(Defects, RaggedRim) {
   const Mesh whole = arch();
   const Mesh m = without(whole, [&](std::size_t t) { return middle(whole, t).z() < 1.5 && random() % 2 == 0; });
   const Solid s = closed(m);
-  // Islands are most of them: 44 with straight walls. Bridges fold over a few teeth of 1 mm: 55. On real scans, whose
-  // triangles are smaller, they save more than they cost (CloseLosses).
+  // Islands cause most losses: 44 with straight walls. Bridges fold over a few teeth of 1 mm: 55. On real scans, with
+  // smaller triangles, they save more than they cost (CloseLosses).
   EXPECT_LT(lost(s, m), m.vertices.size() / 40);
   EXPECT_LT(lost(closed(m, {.base_smoothing_mm = 0}), m), m.vertices.size() / 50);
   EXPECT_TRUE(says(s, "rim"));
@@ -185,7 +185,7 @@ TEST(Defects, SixteenPiecesThroughEachOther) {
   EXPECT_TRUE(says(s, "crossed or touched"));
 }
 
-// As voxels of a CT do. They are moved apart by less than a micrometre, which is no reason to drop them as splinters.
+// From voxels of a CT. Closing moves them apart by less than a micrometre, which must not remove them as splinters.
 TEST(Defects, SmallPiecesThatTouchStay) {
   Mesh m = box(0, 60);
   for (int k = 0; k < 20; ++k) {
@@ -222,7 +222,7 @@ Mesh crumb(double above) {
   return m;
 }
 
-// Of a scan it is one piece with the cube: they share an edge. Closing separates it.
+// In a scan it is one piece with the cube, as they share an edge. Closing separates it.
 TEST(Defects, ACrumbThatClosingSeparatesIsDropped) {
   const Mesh cube = cubeWithShortEdge();
   const Solid s = closed(both(cube, crumb(0)));
@@ -241,7 +241,7 @@ TEST(Defects, ACrumbOfTheScansOwnStays) {
   EXPECT_FALSE(says(s, "crumb"));
   EXPECT_EQ(lost(s, m), 0u);
 
-  // In a file whose triangles share no vertex, and beside what has to be cut.
+  // In a file without shared vertices, and beside defects that need a cut.
   Mesh loose;
   for (const Triangle& f : m.triangles) {
     const auto n = static_cast<std::uint32_t>(loose.vertices.size());
@@ -273,7 +273,7 @@ TEST(MadeCrumbs, AreThosePiecesThatTheScanDoesNotHold) {
   EXPECT_EQ(found(cube, 1e-6), 1u) << "cut off a piece of the scan";
 }
 
-// A shell around the crumb holds it: without the shell alone the crumb would lie in the wrong material.
+// A shell around the crumb contains it. Without the shell the crumb would lie in the wrong material.
 TEST(MadeCrumbs, AShellAroundAPieceThatStaysStays) {
   Mesh scan = crumb(1), shell = scan;
   for (Vec3d& p : shell.vertices) p = Vec3d(2.002, 4.002, 5.002) + 3 * (p - Vec3d(2.002, 4.002, 5.002));
@@ -285,14 +285,14 @@ TEST(MadeCrumbs, AShellAroundAPieceThatStaysStays) {
 }
 
 TEST(Defects, SeamMeshedDifferentlyOnEitherSideIsStitched) {
-  // A ball in two halves that do not share vertices: the lower one has twice as many sectors, and stands 0.0004 mm off.
+  // A ball in two halves without shared vertices. The lower one has twice as many sectors and is 0.0004 mm off.
   const auto half = [](int sectors, bool upper) {
     const Mesh whole = ball(20, sectors, 5);
     return without(whole, [&](std::size_t t) { return (middle(whole, t).z() > 0) != upper; });
   };
   Mesh m = half(40, true), lower = half(80, false);
 
-  // The equator of the finer half onto the chords of the coarser.
+  // Moves the equator of the finer half onto the chords of the coarser half.
   for (Vec3d& p : lower.vertices) {
     if (std::abs(p.z()) > 1e-6) continue;
     const double step = 2 * std::numbers::pi / 40, a = std::atan2(p.y(), p.x()), n = std::floor(a / step + 1e-3);
@@ -312,7 +312,7 @@ TEST(Defects, SeamMeshedDifferentlyOnEitherSideIsStitched) {
   EXPECT_EQ(s.report.holes_filled, 0u);
   EXPECT_GT(s.report.largest_move_mm, 3e-4);
   EXPECT_LT(s.report.largest_move_mm, 1e-3);
-  EXPECT_EQ(lost(s, m), 40u);  // the finer half's vertices that were joined with the coarser's
+  EXPECT_EQ(lost(s, m), 40u);  // vertices of the finer half joined with the coarser half's
   const auto apart = closeMesh(m, {.mode = CloseMode::kRepair, .stitch_mm = 0});
   ASSERT_TRUE(!apart || apart->report.holes_filled > 0) << "without stitching it is two bowls";
 }

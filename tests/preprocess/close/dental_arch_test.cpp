@@ -25,7 +25,7 @@ Mesh moved(Mesh mesh, const Rigid3& pose) {
   return mesh;
 }
 
-/// What of a mesh lies where `keeps` says so.
+/// The part of a mesh selected by `keeps`.
 template <class Keeps>
 Mesh partOf(Mesh mesh, const Keeps& keeps) {
   std::erase_if(mesh.triangles, [&](const Triangle& t) { return !keeps(mesh.vertices[t[0]]); });
@@ -39,8 +39,8 @@ std::optional<DentalArch> archOf(const Mesh& mesh, const Vec3d& up) {
 
 double degreesBetween(const Vec3d& a, const Vec3d& b) { return std::acos(std::clamp(a.dot(b), -1.0, 1.0)) / kDegree; }
 
-// The teeth of the demo arch have frames of their own: x mesial, y buccal, z occlusal. Teeth lean, and stand a little
-// turned in their row: 20 degrees is as near as a curve comes.
+// The teeth of the demo arch have their own frames: x mesial, y buccal, z occlusal. Teeth lean and are rotated a little
+// in their row: a curve comes within 20 degrees.
 TEST(DentalArch, TellsTheSidesOfEveryToothHoweverTheScanIsStored) {
   constexpr double kNear = 20;  // degrees
   for (const Vec3d& axis : {Vec3d(0, 0, 0), Vec3d(1, 0, 0), Vec3d(0.2, -1, 0.4), Vec3d(0, 0, 3), Vec3d(2, 1, -1)}) {

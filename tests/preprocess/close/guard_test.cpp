@@ -47,7 +47,7 @@ CloseReport exactReport() {
 TEST(Guard, ASolidThatIsWhatWasScannedIsNotComplainedAbout) {
   const Mesh ball_of_5 = ball(12, 24, 5);
   EXPECT_TRUE(guardWarnings(ball_of_5, ball_of_5, exactReport()).empty());
-  // An open scan encloses nothing to compare with.
+  // An open scan encloses no volume for comparison.
   Mesh open = box({0, 0, 0}, {4, 3, 2});
   open.triangles.erase(open.triangles.begin(), open.triangles.begin() + 2);
   EXPECT_TRUE(guardWarnings(open, box({0, 0, -2}, {4, 3, 2}), exactReport()).empty());
@@ -61,7 +61,7 @@ TEST(Guard, AVolumeThatGrewOrWentIsSaidAloud) {
     EXPECT_NE(said[0].find("NOT WHAT WAS SCANNED"), std::string::npos) << said[0];
     EXPECT_NE(said[0].find("try --close"), std::string::npos) << said[0];
   }
-  // Without a few triangles, as a stair-stepped skull: as good as closed.
+  // Without a few triangles, like a stair-stepped skull: almost closed.
   Mesh fine = ball(60, 120, 5);
   fine.triangles.erase(fine.triangles.begin() + 3000, fine.triangles.begin() + 3002);
   EXPECT_EQ(guardWarnings(fine, box({-9, -9, -9}, {9, 9, 9}), exactReport()).size(), 1u);
@@ -78,7 +78,7 @@ TEST(Guard, AScanOfWhichATenthIsGoneIsSaidAloud) {
   EXPECT_NE(said[0].find("MUCH OF THE SCAN IS LOST"), std::string::npos) << said[0];
 }
 
-// A wrap comes from outside: what is hollow gets full.
+// A wrap comes from outside and fills hollows.
 TEST(Guard, AWrapThatFillsAHollowWarns) {
   const auto s = closeMesh(hollowBox(), {.mode = CloseMode::kWrap, .wrap_alpha_mm = 1});
   ASSERT_TRUE(s) << s.error().message();
@@ -130,7 +130,7 @@ bool saysLoudly(const std::vector<std::string>& warnings, const char* what) {
                      [what](const std::string& warning) { return warning.find(what) != std::string::npos; });
 }
 
-// Volumes of triangles that face different ways mean nothing; vertices that a union swallows are no loss.
+// The volume of triangles with mixed orientation has no meaning. Vertices swallowed by a union are no loss.
 TEST(Guard, NothingIsSaidOfRightSolidsWhoseFilesFacedWrongOrCrossed) {
   Mesh every_second = ball(20, 40, 6);
   for (std::size_t t = 0; t < every_second.triangles.size(); t += 2)
@@ -148,7 +148,7 @@ TEST(Guard, NothingIsSaidOfRightSolidsWhoseFilesFacedWrongOrCrossed) {
   }
 }
 
-// The faults that it is there for, made up: a piece was subtracted, or lost, where all were to be united.
+// Synthetic faults for the guard: a piece subtracted or lost instead of united.
 TEST(Guard, APieceThatWasSubtractedIsSaidAloud) {
   const Mesh row =
       both(both(box({0, 0, 0}, {10, 10, 10}), box({10, 0, 0}, {20, 10, 10})), flipped(box({20, 0, 0}, {30, 10, 10})));
@@ -156,7 +156,7 @@ TEST(Guard, APieceThatWasSubtractedIsSaidAloud) {
   EXPECT_TRUE(guardWarnings(row, box({0, 0, 0}, {30, 10, 10}), report).empty());
   EXPECT_TRUE(saysLoudly(guardWarnings(row, box({0, 0, 0}, {20, 10, 10}), report), "NOT WHAT WAS SCANNED"));
 
-  // As much outwards as inwards: the sum over the triangles is nothing.
+  // As much outwards as inwards: the sum over the triangles is zero.
   const Mesh two = both(box(0, 8), flipped(box({4, 0, 0}, {12, 8, 8})));
   const Chain chain = chainOf(both(box(0, 8), box({4, 0, 0}, {12, 8, 8})));
   report.triangles_flipped = 12;
@@ -180,16 +180,16 @@ TEST(Guard, MoreThanTwoLayersOfAScanLostIsRefusedUnlessInnerShellsAre) {
   ASSERT_TRUE(judged.refusal);
   EXPECT_NE(judged.refusal->found.find("vertices"), std::string::npos);
 
-  // A union of solids in each other loses the inner ones, as it should.
+  // A union of nested solids loses the inner ones, as it should.
   const Mesh nested = both(ball(12, 24, 5), ball(30, 60, 2));
   const auto s = closeMesh(nested);
   ASSERT_TRUE(s) << s.error().message();
   EXPECT_GT(3 * s->report.vertices_lost, nested.vertices.size());
 }
 
-// A comb without thickness: walls around each tooth make a block of many times what little there is.
+// A comb without thickness: walls around each tooth make a block of many times its small volume.
 TEST(Guard, AWrapOfManyTimesTheVolumeIsRefusedAndCanBeAccepted) {
-  Mesh comb;  // plates 0.05 mm thick, 0.5 mm apart: a wrap of 1 mm fills all between them
+  Mesh comb;  // plates 0.05 mm thick, 0.5 mm apart: a wrap of 1 mm fills the gaps
   for (int k = 0; k < 20; ++k) append(comb, box({0.5 * k, 0, 0}, {0.5 * k + 0.05, 5, 5}));
   CloseOptions options{.mode = CloseMode::kWrap, .wrap_alpha_mm = 1};
   const auto refused = closeMesh(comb, options);
@@ -216,8 +216,8 @@ TEST(Guard, ManyHolesRightThroughAreSaidInCapitals) {
   EXPECT_NE(said[0].find("FULL OF HOLES"), std::string::npos) << said[0];
 }
 
-// A roof 5 mm high with a row of sockets at its front edge. A flap lies over the mouth of each, so that the walls below
-// meet, and what was a bay of the rim is a shaft right through.
+// A roof 5 mm high with a row of sockets at its front edge. A flap covers the mouth of each, so that the walls below
+// meet, and a bay of the rim becomes a through shaft.
 Mesh roofWithShafts(int sockets) {
   const int across = 3 * sockets + 1, deep = 5;
   Mesh m;
@@ -253,7 +253,7 @@ TEST(Guard, ShaftsThatABaseMakesAreCountedOnAMeshThatHasNone) {
   EXPECT_TRUE(few.report.warnings.empty()) << few.report.warnings.front();
 }
 
-// Twenty thousand copies of one triangle made a solid of 4.8 mm3, without a word.
+// Twenty thousand copies of one triangle made a solid of 4.8 mm3 without a warning.
 TEST(Guard, AWrapOfWhatEnclosesNothingIsRefused) {
   Mesh copies;
   copies.vertices = {{0, 0, 0}, {10, 0, 0}, {0, 10, 0}};
@@ -278,7 +278,7 @@ TEST(Guard, AWrapOfWhatEnclosesNothingIsRefused) {
 }
 
 TEST(Guard, ASideThatGrewOrShrankIsNamedWithItsMillimetres) {
-  // An open scan encloses nothing: only the extent tells.
+  // An open scan encloses no volume: only the extent shows the fault.
   Mesh open = box({0, 0, 0}, {20, 20, 10});
   open.triangles.erase(open.triangles.begin(), open.triangles.begin() + 2);
   const Chain chain = chainOf(open);
@@ -294,7 +294,7 @@ TEST(Guard, ASideThatGrewOrShrankIsNamedWithItsMillimetres) {
       << said[0];
   EXPECT_NE(said[0].find("try --close"), std::string::npos) << said[0];
 
-  // With a volume to compare with the extent says what is wrong with it.
+  // If both have a volume, the extent locates the fault.
   const Mesh whole = box({0, 0, 0}, {20, 20, 10});
   const Chain closed_chain = chainOf(whole);
   const auto grown = judgeSolid(whole, box({0, 0, 0}, {20, 20, 14}), exactReport(), &closed_chain).warnings;
@@ -312,7 +312,7 @@ TEST(Guard, APieceThatIsLostIsSaidWithItsPlace) {
   EXPECT_NE(said.back().find("(7.0, 1.0, 1.0) mm"), std::string::npos) << said.back();
   EXPECT_TRUE(judgeSolid(three, three, exactReport(), &chain).warnings.empty());
 
-  // The whole way: a sheet is closed on its own back, and nothing is left of it.
+  // The whole process: a sheet is closed on its own back, which leaves nothing.
   Mesh sheet;
   sheet.vertices = {{12, 0, 0}, {16, 0, 0}, {16, 4, 0}, {12, 4, 0}};
   sheet.triangles = {{0, 1, 2}, {0, 2, 3}};
@@ -322,7 +322,7 @@ TEST(Guard, APieceThatIsLostIsSaidWithItsPlace) {
     return warning.find("A PIECE OF THE SCAN IS LOST") != std::string::npos;
   })) << fmt::format("{}", fmt::join(s->report.changes, "; "));
 
-  // What lies in another goes as in every union: it is not lost.
+  // A piece inside another disappears, as in every union: no loss.
   const auto nested = closeMesh(both(ball(12, 24, 5), ball(30, 60, 2)));
   ASSERT_TRUE(nested);
   for (const std::string& warning : nested->report.warnings)
@@ -342,7 +342,7 @@ TEST(Guard, PiecesThatAWrapJoinsAreSaidAndThoseThatMeetAreNot) {
   ASSERT_TRUE(one) << one.error().message();
   EXPECT_FALSE(std::any_of(one->report.warnings.begin(), one->report.warnings.end(), isJoined));
 
-  // An exact solid joins only what its walls or patches join: a note.
+  // An exact solid joins only pieces connected by its walls or patches: a note.
   const Chain chain = chainOf(apart);
   const Mesh joined = closed(both(apart, box({7, 2, 2}, {9, 6, 6}))).mesh;
   const auto judged = judgeSolid(apart, joined, exactReport(), &chain);
@@ -361,7 +361,7 @@ TEST(Guard, LostPlacesThatLieTogetherAreOneHeap) {
   EXPECT_EQ(heaps[1].vertices, 1u);
 }
 
-// Specks: counted, and dropped where that is asked for, never the largest piece.
+// Specks are counted. On request they are dropped, but never the largest piece.
 TEST(Guard, SpecksAreDroppedOnlyWhenAsked) {
   Mesh mesh = box({0, 0, 0}, {10, 10, 10});
   for (int k = 0; k < 36; ++k) append(mesh, box({20.0 + k, 0, 0}, {20.4 + k, 0.5, 0.5}));

@@ -1,5 +1,5 @@
-// Meshes that no scanner makes: each is closed or refused in seconds, with a sentence. The limits are ten times what a
-// slow machine takes; each of these meshes took a minute or more, or did not end.
+// Meshes that no scanner makes: each is closed or refused within seconds, with a message. The limits are ten times the
+// times of a slow machine. Each of these meshes once took a minute or more, or did not end.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,14 +17,14 @@ namespace {
 
 constexpr double kMostSeconds = 20;
 
-// Of all processors together: a machine that does other things, too, is no slower by it.
+// Time of all processors: independent of other load.
 double secondsOf(const std::function<void()>& work) {
   const std::clock_t began = std::clock();
   work();
   return static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC;
 }
 
-// Closed, or refused with a sentence; either way in time.
+// Closed or refused with a message, within the time limit.
 void expectAnswer(const Mesh& mesh, const char* what, double most_seconds = kMostSeconds) {
   std::string said = "closed";
   const double taken = secondsOf([&] {
@@ -57,7 +57,7 @@ TEST(Hostile, AFanOfTrianglesAroundOneEdge) {
   EXPECT_EQ(s.error().found, "an edge that 50 triangles share");
   EXPECT_EQ(s.error().place, "near (0.000, 0.000, 5.000) mm");
 
-  // Copies of one triangle are dropped, however many they are.
+  // Copies of one triangle are dropped, in any number.
   Mesh copies = ball(12, 24, 5);
   for (int n = 0; n < 50; ++n) copies.triangles.push_back(copies.triangles[100]);
   EXPECT_TRUE(closeMesh(copies));
@@ -141,7 +141,7 @@ TEST(Hostile, OneTriangleRepeatedAndTrianglesOnEachOther) {
   expectAnswer(plane, "one plane");
 }
 
-// Stored again and again, as a file that is exported onto itself.
+// Stored repeatedly, like a file that is exported onto itself.
 Mesh copiesOf(const Mesh& one, int n) {
   Mesh m;
   for (int k = 0; k < n; ++k) append(m, one);
@@ -163,7 +163,7 @@ TEST(Hostile, ASolidThatIsThereTwentyThousandTimes) {
     EXPECT_EQ(s->report.changes.back(), std::to_string(12 * (n - 1)) + " duplicate triangles were dropped");
   }
 
-  // Turned at random, copies are left; and a wrap of them ends, too.
+  // Copies with random rotation remain. A wrap of them ends, too.
   Mesh turned = copiesOf(box(0, 10), 2000);
   std::mt19937 random(5);
   for (Triangle& f : turned.triangles)
@@ -173,7 +173,7 @@ TEST(Hostile, ASolidThatIsThereTwentyThousandTimes) {
   wrapping.mode = CloseMode::kWrap;
   EXPECT_LT(secondsOf([&] { static_cast<void>(closeMesh(turned, wrapping)); }), kMostSeconds);
 
-  // Of a cavity, too: it stays one.
+  // A copied cavity remains a cavity.
   Mesh hollow = box(0, 10), cavity = box(4, 6);
   for (Triangle& f : cavity.triangles) std::swap(f[1], f[2]);
   append(hollow, copiesOf(cavity, 5));
@@ -182,7 +182,7 @@ TEST(Hostile, ASolidThatIsThereTwentyThousandTimes) {
   EXPECT_DOUBLE_EQ(signedVolume(s->mesh), 1000 - 8);
 }
 
-// They share a wall, the same way round, that both need: neither is a copy.
+// They share a wall of the same orientation that both need: neither is a copy.
 TEST(Hostile, ASolidThatSharesAWallWithAnotherStays) {
   Mesh m = box({0, 0, 0}, {10, 10, 10});
   const Mesh inside = box({0, 0, 0}, {10, 10, 4});  // three faces in the same planes, one of them the same triangles
@@ -199,14 +199,14 @@ TEST(Hostile, ASolidThatSharesAWallWithAnotherStays) {
   EXPECT_DOUBLE_EQ(signedVolume(joined->mesh), 1400);
 }
 
-// They fill a grid across the ray once for each: a number of 32 bits ran over.
+// They fill a grid across the ray once each, which overflowed a 32-bit number.
 TEST(Hostile, LargeTrianglesBehindEachOther) {
   Mesh m;
   for (int k = 0; k < 4000; ++k) append(m, box({0, 0, 0}, {10, 10, 5 + 1e-3 * k}));
   expectAnswer(m, "behind each other");
 }
 
-// Tetrahedra in a row; `inside_out` of them are.
+// Tetrahedra in a row, `inside_out` of them inverted.
 Mesh specks(std::uint32_t n, bool inside_out) {
   Mesh m;
   for (std::uint32_t k = 0; k < n; ++k) {
@@ -237,7 +237,7 @@ TEST(Hostile, TrianglesWithoutAreaBesideAsManyWith) {
   expectAnswer(m, "flat");
 }
 
-// Walls, lips and bridges go along a rim in steps of tenths of a mm.
+// Walls, lips and bridges follow a rim in steps of tenths of a mm.
 TEST(Hostile, AScanAMetreAndAHalfAcross) {
   std::mt19937 random(3);
   Mesh m = ball(40, 200, 700);
@@ -249,8 +249,7 @@ TEST(Hostile, AScanAMetreAndAHalfAcross) {
   expectAnswer(m, "large", 60);
 }
 
-// Its points are R sin(pi), 1e-16 mm, from the axis, and float32 tells them apart: a hole that was stitched for
-// minutes.
+// Its points are R sin(pi), 1e-16 mm, from the axis, and differ in float32: a hole that once took minutes to stitch.
 TEST(Hostile, ASphereWithPolesOfManyPointsIsClosedAsItIs) {
   constexpr int kAround = 24, kRings = 24;
   const double pi = std::acos(-1.0);

@@ -11,7 +11,7 @@
 namespace kerf::openness_test {
 namespace {
 
-// Faces of voxels, two triangles each; corners at the same place are one vertex.
+// Faces of voxels, two triangles each. Corners at the same place are one vertex.
 class VoxelFaces {
  public:
   // The face of voxel (x, y, z) towards +axis or -axis.
@@ -40,7 +40,7 @@ class VoxelFaces {
   std::map<std::array<int, 3>, std::uint32_t> index_;
 };
 
-// A skull as a label volume's faces make it: a stair-stepped shell, 24 mm across, 2 mm thick.
+// A skull as a label volume's faces: a stair-stepped shell, 24 mm across, 2 mm thick.
 constexpr int kOuter = 12, kInner = 10;
 bool inBall(const std::array<int, 3>& voxel, double radius) {
   return (Vec3d(voxel[0], voxel[1], voxel[2]) + Vec3d::Constant(0.5)).norm() < radius;
@@ -68,7 +68,7 @@ VoxelFaces shell() {
   return out;
 }
 
-// With a wall without thickness right through the hollow: what is left of a thin one.
+// With a wall without thickness right through the hollow: the remainder of a thin wall.
 VoxelFaces shellWithSheet() {
   VoxelFaces out = shell();
   forEachVoxel([&](const std::array<int, 3>& voxel) {
@@ -77,7 +77,7 @@ VoxelFaces shellWithSheet() {
   return out;
 }
 
-// Two triangles gone from the outside.
+// Removes two triangles of the outside.
 Mesh punched(Mesh mesh) {
   double far = 0;
   std::size_t at = 0;
@@ -102,7 +102,7 @@ TEST(Openness, CountsTheEdgesOfOneTriangleOnly) {
   EXPECT_EQ(internal::openLength(open, open.triangles), 4);
 }
 
-// Issue: the boundary of the sheet, as long as the shell is round, was taken for the rim of a missing underside.
+// The boundary of the sheet, as long as the shell's circumference, is not the rim of a missing underside.
 TEST(Openness, ASkullWithASheetInItGetsNoBase) {
   const double volume = signedVolume(shell().mesh);
   const Mesh skull = punched(shellWithSheet().mesh);
@@ -130,12 +130,12 @@ TEST(Openness, ASurfaceThatIsThereTwiceInPartsIsTakenOnce) {
   EXPECT_NEAR(signedVolume(s->mesh), volume, 1e-3 * volume);
 }
 
-// A sheet with a hole of its own might be part of a scan: nothing is dropped, and nothing is invented either.
+// A sheet with its own hole might be part of a scan: closing drops nothing and adds nothing.
 TEST(Openness, WhatCanNotBeToldIsWrappedAndSaidAloud) {
   Mesh skull = shellWithSheet().mesh;
   for (std::size_t t = skull.triangles.size() - 60; t < skull.triangles.size() - 58; ++t)
     skull.triangles[t] = {0, 0, 0};
-  // The wrap fills the hollow: more than twice the volume is refused, unless it is taken knowingly.
+  // The wrap fills the hollow. Kerf refuses more than twice the volume, unless the user accepts it.
   const auto filled = closeMesh(skull);
   ASSERT_FALSE(filled);
   EXPECT_NE(filled.error().hint.find("--accept-doubtful"), std::string::npos) << filled.error().message();

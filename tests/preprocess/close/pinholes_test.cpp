@@ -10,7 +10,7 @@ namespace {
 
 using internal::ShortLoop;
 
-// Cells of a square sheet that are there or not, `cell` mm wide, between z = 0 and z = height: a closed solid.
+// Present and missing cells of a square sheet, `cell` mm wide, between z = 0 and z = height: a closed solid.
 Mesh plate(int side, const std::vector<std::array<int, 2>>& missing, double cell, double height) {
   Mesh m;
   const auto vertex = [&](int i, int j, int k) {
@@ -49,7 +49,7 @@ long eulerOf(const Mesh& m) {
   return static_cast<long>(m.vertices.size()) - edges + static_cast<long>(m.triangles.size());
 }
 
-// The solid with the plugs of a loop united, from the side that helps; the lowest Euler characteristic otherwise.
+// The solid united with the plugs of a loop, from the effective side; otherwise the lowest Euler characteristic.
 long eulerWithPlug(const Mesh& solid, const ShortLoop& loop) {
   long best = -1000;
   for (const bool is_left : {true, false}) {
@@ -94,7 +94,7 @@ TEST(Pinholes, APlateWithoutHolesAndHolesLongerAroundThanAskedForGiveNone) {
   EXPECT_TRUE(internal::shortLoops(plate(9, {{4, 4}}, 0.25, 1), 0.9, {}).empty());
 }
 
-// A ring 4 mm across that is one cell of 0.25 x 0.1 mm wide on its left: the shortest way that bounds nothing is there.
+// A ring 4 mm across, with one cell of 0.25 x 0.1 mm on its left: the shortest path that bounds nothing is there.
 TEST(Pinholes, AThreadOfMaterialIsFoundAndCut) {
   std::vector<std::array<int, 2>> missing;
   for (int j = 3; j < 13; ++j)

@@ -1,4 +1,4 @@
-// The base of an open scan: every vertex kept, walls without needles, an outline that a technician would trim.
+// The base of an open scan: every vertex kept, walls without needles, a trimmed outline.
 #include <oneapi/tbb/global_control.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// A dome over the disc of radius r(angle) (mm), open below, normals up; its rim is ragged as r and z are.
+/// A dome over the disc of radius r(angle) (mm), open below, normals up. r and z make its rim ragged.
 template <class Radius, class Height>
 Mesh dome(int rings, int sectors, Radius&& radius, Height&& rim_height) {
   Mesh m;
@@ -39,7 +39,7 @@ Mesh dome(int rings, int sectors, Radius&& radius, Height&& rim_height) {
   return m;
 }
 
-/// The teeth of a saw: every other rim vertex sticks out by up to 1 mm.
+/// Sawtooth: every other rim vertex sticks out by up to 1 mm.
 Mesh raggedDome(unsigned seed = 7) {
   std::mt19937 random(seed);
   std::vector<double> out(180), down(180);
@@ -52,7 +52,7 @@ Mesh raggedDome(unsigned seed = 7) {
       [&](int j) { return down[static_cast<std::size_t>(j)]; });
 }
 
-/// Sum of the changes of direction along the outline of the base, degrees: 360 around a disc.
+/// Sum of the direction changes along the outline of the base, degrees: 360 around a disc.
 double turningOfBase(const Solid& s) {
   const Vec3d w = *s.report.base_direction;
   std::map<std::uint32_t, std::uint32_t> next;
@@ -96,8 +96,8 @@ TEST(SmoothBase, ARaggedRimGetsACalmOutlineAndLosesNothing) {
   EXPECT_DOUBLE_EQ(s.report.base_level_mm, straight.report.base_level_mm);
 }
 
-// What is thinner breaks off in the printer's bath. Measured as in the experiments that the walls come from: 23 places
-// on a ragged lower jaw with straight walls.
+// Thinner needles break off in the printer's bath. Measured as in the experiments behind the walls: 23 places on a
+// ragged lower jaw with straight walls.
 TEST(SmoothBase, ABaseHasNoNeedleThinnerThanHalfAMillimetre) {
   for (const unsigned seed : {7u, 8u, 9u}) {
     const Solid s = closed(raggedDome(seed));
@@ -108,14 +108,14 @@ TEST(SmoothBase, ABaseHasNoNeedleThinnerThanHalfAMillimetre) {
   EXPECT_GT(BaseSection(straight, 0.6).thinPlaces(0.5), 10) << "the teeth of the rim, down to the base";
 }
 
-/// A rim that climbs straight up, and down again, four times; every twelfth of its vertices sticks out.
+/// A rim that climbs straight up and down again, four times; every twelfth of its vertices sticks out.
 Mesh climbingDome(double tall, double out) {
   const auto radius = [&](int j) { return 12.5 + (j % 12 == 0 ? out : 0); };
   const auto height = [&](int j) { return j % 60 < 30 ? 2.0 : 2.0 + tall; };
   return dome(24, 240, radius, height);
 }
 
-// Where uniting is not allowed, walls that cross the scan's edge can not be resolved: all other ways are tried.
+// Without uniting, walls that cross the scan's edge cannot be resolved: closing tries all other ways.
 TEST(SmoothBase, WallsThatCanNotBeResolvedAreTriedWithAnotherLipAndThenStraight) {
   CloseOptions options{.only = {CloseStep::kWeld, CloseStep::kDrop, CloseStep::kStitch, CloseStep::kOrient,
                                 CloseStep::kFill, CloseStep::kBase}};
@@ -170,7 +170,7 @@ TEST(SmoothBase, AFjordIsBridgedAndNoShaftIsLeft) {
   EXPECT_EQ(closed(m, {.base_smoothing_mm = 0}).report.gaps_bridged, 0u);
 }
 
-// The mouth of a gap is narrow; what lies behind it, as the socket of a tooth, is not.
+// The mouth of a gap is narrow. The space behind it, such as a tooth socket, is wide.
 TEST(SmoothBase, ASocketThatIsRoofedOverIsSaidWithItsSizeAndPlace) {
   Mesh m = dome(
       24, 240, [](int) { return 12.5; }, [](int) { return 2.0; });
@@ -196,7 +196,7 @@ TEST(SmoothBase, ASocketThatIsRoofedOverIsSaidWithItsSizeAndPlace) {
 }
 
 TEST(SmoothBase, ATongueIsNotCutOff) {
-  // A strip 2.5 mm wide sticks out of the rim by 5 mm: its sides face each other from within.
+  // A strip 2.5 mm wide sticks out of the rim by 5 mm. Its sides face each other from within.
   const auto length = [](int j) { return j < 6 || j > 234 ? 18.0 : 12.5; };
   const Mesh m = dome(24, 240, length, [](int) { return 2.0; });
   const Solid s = closed(m);
@@ -265,7 +265,7 @@ TEST(SmoothBase, ARimOfThreeEdgesGetsABase) {
 }
 
 TEST(SmoothBase, ARimOfAHundredThousandVerticesTakesSeconds) {
-  // A narrow band whose lower rim is a saw.
+  // A narrow band with a sawtooth lower rim.
   internal::Chain chain;
   constexpr std::uint32_t kRim = 100'000;
   for (std::uint32_t j = 0; j < kRim; ++j)

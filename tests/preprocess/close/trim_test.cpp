@@ -1,4 +1,4 @@
-// Ragged gum is cut off along the rim where that is asked for, and what was taken is said.
+// On request, ragged gum is cut off along the rim, and the report names the removed area.
 #include "preprocess/close/trim.h"
 
 #include <gtest/gtest.h>
@@ -11,8 +11,8 @@
 namespace kerf::trim_test {
 namespace {
 
-// An open box of 20 x 12 x 8 mm without underside, in squares of 0.5 mm, with tongues of a width and length, mm, that
-// hang from one of its walls.
+// An open box of 20 x 12 x 8 mm without underside, in squares of 0.5 mm, with tongues of a given width and length, mm,
+// that hang from one wall.
 Mesh tray(const std::vector<std::pair<double, double>>& tongues) {
   Mesh m;
   const auto add = [&](const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
@@ -21,7 +21,7 @@ Mesh tray(const std::vector<std::pair<double, double>>& tongues) {
     m.triangles.push_back({n, n + 1, n + 2});
     m.triangles.push_back({n, n + 2, n + 3});
   };
-  // A face from `o` along u and v, whose normal is u x v.
+  // A face from `o` along u and v, with normal u x v.
   const auto face = [&](const Vec3d& o, const Vec3d& u, const Vec3d& v) {
     const int nu = static_cast<int>(std::lround(u.norm() / 0.5)), nv = static_cast<int>(std::lround(v.norm() / 0.5));
     for (int i = 0; i < nu; ++i)
@@ -60,7 +60,7 @@ TEST(TrimRim, TonguesNarrowerThanAskedGoAndNothingElse) {
   EXPECT_GT(trimmed.report.vertices_trimmed, 20u);
   EXPECT_TRUE(says(trimmed, "the rim was trimmed, as asked, in 2 places narrower than 3 mm"));
 
-  // The wide one is there, the others are not.
+  // The wide tongue remains, the others are cut.
   const auto reaches = [&](const Solid& s, double from, double to) {
     return std::any_of(s.mesh.vertices.begin(), s.mesh.vertices.end(),
                        [&](const Vec3d& p) { return p.x() >= from && p.x() <= to && p.y() == 0 && p.z() == -3; });
@@ -84,7 +84,7 @@ TEST(TrimRim, WhatWasTrimmedDoesNotCountAsLost) {
   EXPECT_EQ(s.report.vertices_lost, 0u);
 }
 
-// A head on a narrow neck goes with its neck; a closed mesh has no rim.
+// A head on a narrow neck goes with its neck. A closed mesh has no rim.
 TEST(TrimRim, WhatHangsOnANarrowNeckGoesToo) {
   Mesh m = tray({{1, 8}});
   const Mesh head = [&] {

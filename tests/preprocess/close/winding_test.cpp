@@ -1,4 +1,4 @@
-// Winding numbers by rays against those by solid angles, and a solid with very many cavities.
+// Winding numbers by rays against winding numbers by solid angles, and a solid with very many cavities.
 #include "preprocess/close/winding.h"
 
 #include <gtest/gtest.h>

@@ -28,7 +28,7 @@ class DemoMandible : public ::testing::Test {
   static const Mesh& mesh(const std::string& name) { return anatomy().mesh(name); }
   static const Mesh& jaw() { return mesh("mandible.ply"); }
 
-  /// The vertex of the left half furthest in a direction, among those a condition holds for.
+  /// The vertex of the left half furthest in a direction, among vertices that satisfy a condition.
   template <class Condition>
   static Vec3d furthest(const Mesh& m, const Vec3d& direction, Condition condition) {
     const Vec3d* found = nullptr;
@@ -134,7 +134,7 @@ class DemoMandible : public ::testing::Test {
     const auto across = rayCrossings(canal, {27.0, 29, -60}, Vec3d::UnitZ());
     ASSERT_EQ(across.size(), 2u);
     EXPECT_NEAR(across[1] - across[0], kDimensions.canal_diameter, 0.2);
-    // Its two ends stand out of the bone, on the inner side behind and on the outer side in front; the rest lies in
+    // Its two ends protrude from the bone, on the inner side behind and on the outer side in front. The rest lies in
     // bone.
     int mental = 0, mandibular = 0;
     double mental_z = 0, lowest = 0;
@@ -193,7 +193,7 @@ class DemoMandible : public ::testing::Test {
   }
 };
 
-// One test for what belongs together: each test is a process of its own, and would make the mandible again.
+// One test, because each test is a separate process and would make the mandible again.
 TEST_F(DemoMandible, IsMadeOfSolidsThatMeasureWhatTheTableSays) {
   everyTissueIsASolidReadyToPrint();
   hasTheOverallSizeOfAMandible();

@@ -21,7 +21,7 @@ void expectWithin(const DemoRange& range, double value, const std::string& what,
 
 class DemoMolarAnatomy : public ::testing::Test {
  protected:
-  /// Twice as coarse as written by default.
+  /// Twice as coarse as the default.
   static const DemoAnatomy& anatomy() {
     static const DemoAnatomy anatomy = *demoMolarAnatomy(2);
     return anatomy;
@@ -34,7 +34,7 @@ class DemoMolarAnatomy : public ::testing::Test {
       if ((p.head<2>() - Eigen::Vector2d(x, y)).norm() < 1 && p.z() > tip.z()) tip = p;
     return tip;
   }
-  /// From a point of the tooth's surface to the nearest point of the junction: vertices of the enamel in the tooth.
+  /// From a point of the tooth's surface to the nearest point of the junction: vertices of the enamel inside the tooth.
   static double enamelAt(const Vec3d& surface) {
     double nearest = 1e9;
     for (const Vec3d& p : mesh("enamel.ply").vertices)
@@ -68,7 +68,7 @@ TEST_F(DemoMolarAnatomy, CrownRootAndEnamelMeasureWhatTheTableSays) {
     for (const auto& [x, y] : {std::pair{2.65, 2.75}, {-0.85, 2.95}, {2.4, -2.95}, {-2.0, -3.0}})
       expectWithin(kDimensions.enamel_at_cusps, enamelAt(cuspAt(x, y)), fmt::format("cusp at {}, {}", x, y), 0.1);
 
-    // Half way up the sides, where a horizontal ray from the axis leaves the tooth.
+    // Half-way up the sides, at the exit of a horizontal ray from the axis.
     for (const Vec3d& side : {Vec3d(1, 0.1, 0), Vec3d(-1, 0.1, 0), Vec3d(0, 1, 0), Vec3d(0, -1, 0)}) {
       const Vec3d from(0, 0, 3.2);
       const auto hits = rayCrossings(mesh("tooth.ply"), from, side.normalized());
@@ -88,7 +88,7 @@ TEST_F(DemoMolarAnatomy, CrownRootAndEnamelMeasureWhatTheTableSays) {
   }
   {
     SCOPED_TRACE("EnamelEndsAtTheNeck");
-    // The junction of enamel and cementum lies within 0.4 mm of z = 0, the edge of the solid a rounding below.
+    // The junction of enamel and cementum lies within 0.4 mm of z = 0. The edge of the solid lies a rounding below.
     EXPECT_GT(bounds(mesh("enamel.ply")).min.z(), -0.6);
     for (const Vec3d& p : mesh("enamel.ply").vertices) {
       if (p.z() > 0.2) continue;
@@ -142,7 +142,7 @@ TEST_F(DemoMolarAnatomy, PulpAndLesionLieWhereTheyShould) {
     EXPECT_GT(pulp[0] - lesion[1], 0.5);
     EXPECT_LT(pulp[0] - lesion[1], 2.0);
 
-    // Much wider where it spreads along the junction than at its mouth.
+    // Much wider along the junction than at its mouth.
     Box3 mouth;
     for (const Vec3d& p : caries.vertices)
       if (std::abs(demoMolarDistance(p)) < 0.15) mouth.add(p);

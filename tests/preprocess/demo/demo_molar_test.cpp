@@ -15,8 +15,7 @@
 namespace kerf::demo_molar_test {
 namespace {
 
-/// Every edge has exactly two triangles, which run along it in opposite directions, and the triangles around every
-/// vertex make one fan.
+/// Every edge has exactly two triangles of opposite direction, and the triangles around every vertex form one fan.
 void expectClosedManifold(const Mesh& mesh) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> uses;
   std::vector<std::vector<std::uint32_t>> next(mesh.vertices.size());
@@ -66,7 +65,7 @@ TEST_F(DemoMolar, DoesNotCrossItself) {
     const Mesh molar = demoMolar(edge);
     EXPECT_TRUE(selfIntersections(molar.vertices, molar.triangles).empty()) << edge;
     EXPECT_TRUE(degenerateTriangles(molar.vertices, molar.triangles).empty()) << edge;
-    // Nor when written as float32.
+    // Also when written as float32.
     std::vector<Vec3d> rounded;
     for (const Vec3d& p : molar.vertices) rounded.push_back(p.cast<float>().cast<double>());
     EXPECT_TRUE(selfIntersections(rounded, molar.triangles).empty()) << edge;
@@ -83,7 +82,7 @@ TEST_F(DemoMolar, HasTheDimensionsOfALowerFirstMolar) {
   for (const Vec3d& p : mesh().vertices)
     if (std::abs(p.z()) < 0.15) cervix.add(p);
   EXPECT_NEAR(cervix.size().x(), 9.0, 0.3);
-  // The box of the tooth is filled to between 35 and 50 %.
+  // The tooth fills between 35 and 50 % of its box.
   EXPECT_GT(signedVolume(mesh()), 0.35 * 11 * 10.5 * 21.5);
   EXPECT_LT(signedVolume(mesh()), 0.50 * 11 * 10.5 * 21.5);
   EXPECT_GT(mesh().triangles.size(), 30000u);
@@ -154,7 +153,7 @@ TEST_F(DemoMolar, IsTheSameEveryTime) {
 }
 
 TEST(TetrahedralMesher, ClosesWhiteNoiseWithoutCrossings) {
-  // Any function will do: here a new random value at each place, positive at the border.
+  // Works for any function: here a random value per place, positive at the border.
   const auto noise = [](const Vec3d& p) {
     if (p.cwiseAbs().maxCoeff() > 0.9) return 1.0;
     const double h = std::sin(p.dot(Vec3d(127.1, 311.7, 74.7))) * 43758.5453;

@@ -54,7 +54,7 @@ TEST(Unit, AFileThatIsClearlyInAnotherUnitContradictsTheSharedOne) {
   const UnitChoice mm{"mm", 1, "90 across", false}, m{"m", 1000, "0.09 across", true};
   EXPECT_FALSE(requireOneUnit("ball.stl", across(0.015), "", mm, "arch.stl"));
   EXPECT_FALSE(requireOneUnit("ball.stl", across(15), "", m, "arch.stl"));
-  for (const double size : {80.0, 15.0, 2.5, 1e-5})  // what fits no unit is small, and no more
+  for (const double size : {80.0, 15.0, 2.5, 1e-5})  // a size that fits no unit is only small
     EXPECT_TRUE(requireOneUnit("ball.stl", across(size), "", mm, "arch.stl")) << size;
   EXPECT_TRUE(requireOneUnit("ball.stl", across(0.0029), "", m, "arch.stl"));
 }

@@ -12,7 +12,7 @@
 namespace kerf::label_surface_test {
 namespace {
 
-// A volume of 0.5 mm voxels about the origin, labelled by what is at the voxel's centre.
+// A volume of 0.5 mm voxels about the origin, with the labels at the voxel centres.
 template <class LabelOf>
 LabelVolume digitise(int side, LabelOf&& label_of, const Vec3d& spacing = Vec3d::Constant(0.5)) {
   LabelVolume v;
@@ -51,7 +51,7 @@ void expectClosedManifold(const Mesh& m) {
   EXPECT_GT(signedVolume(m), 0);
 }
 
-// Root mean squares, by area: distance of the triangles' centres to the true surface, mm, and angle to its normal.
+// Area-weighted root mean squares: distance of the triangles' centres to the true surface, mm, and angle to its normal.
 struct Deviation {
   double distance = 0, angle = 0;
 };
@@ -172,7 +172,7 @@ TEST(SmoothLabels, OneVoxelWallsAndCanalsSurvive) {
 }
 
 TEST(SmoothLabels, WhatIsThinKeepsItsVolumeInTheMeshToo) {
-  // Threads of a voxel in all directions: chords take a part of each.
+  // Threads of a voxel in all directions: chords remove a part of each.
   std::mt19937 random(5);
   std::uniform_real_distribution<double> place(-8, 8), turn(-1, 1);
   std::vector<std::pair<Vec3d, Vec3d>> threads;

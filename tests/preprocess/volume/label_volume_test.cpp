@@ -360,7 +360,7 @@ TEST(LabelVolume, ABzip2NrrdIsRefusedWithWhatToDo) {
   }
 }
 
-// Compressed volumes of 4 x 3 x 2 counting labels: file name, what stands before the values, the values.
+// Compressed volumes of 4 x 3 x 2 counting labels: file name, bytes before the values, the values.
 struct Compressed {
   std::string name, head, values;
 };
@@ -394,7 +394,7 @@ TEST(LabelVolume, CompressedFilesAreReadWhole) {
   expectCounting(readBytes("two-streams.nii.gz", halves));
 }
 
-// The values 256 i + 1, both bytes of which count, in either order of bytes, raw and compressed.
+// The values 256 i + 1, with two significant bytes, in either byte order, raw and compressed.
 TEST(LabelVolume, BytesInEitherOrderAreReadAsTheHeaderSays) {
   for (const bool is_big : {false, true})
     for (const bool is_packed : {false, true}) {
@@ -426,7 +426,7 @@ TEST(LabelVolume, BytesInEitherOrderAreReadAsTheHeaderSays) {
     }
 }
 
-// A NIfTI file may hold values that are to be multiplied: ITK does that.
+// A NIfTI file may hold values with a scale factor, which ITK applies.
 TEST(LabelVolume, ScaledNiftiValuesAreScaled) {
   std::string bytes = nifti(countingLabels());
   put<float>(bytes, 112, 2);
@@ -480,7 +480,7 @@ TEST(LabelVolume, CompressedFilesWithOneByteChangedAreNeverReadWithOtherLabels) 
       std::string damaged = values;
       damaged[at] = static_cast<char>(damaged[at] ^ 0x10);
       const auto v = readBytes(name, head + damaged);
-      if (v) expectCounting(v);  // a header has bytes that say nothing, such as the time
+      if (v) expectCounting(v);  // a header has bytes without meaning, such as the time
       refused += !v;
     }
     EXPECT_GT(refused, least) << name;
@@ -488,8 +488,7 @@ TEST(LabelVolume, CompressedFilesWithOneByteChangedAreNeverReadWithOtherLabels) 
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
-// Volumes that are not compressed, and those compressed in other ways: file name, what stands before the values, the
-// values.
+// Uncompressed volumes, and those with other compressions: file name, bytes before the values, the values.
 std::vector<Compressed> otherVolumes() {
   const std::string grid = "type: unsigned char\ndimension: 3\nsizes: 4 3 2\nspacings: 1 1 1\n";
   std::string ascii, hex;
@@ -508,7 +507,7 @@ std::vector<Compressed> otherVolumes() {
 TEST(LabelVolume, FilesOfEveryEncodingThatAreCutShortAreRefusedAtEveryByte) {
   for (const auto& [name, head, values] : otherVolumes()) {
     EXPECT_TRUE(readBytes(name, head + values)) << name;
-    const std::size_t last = name == "ascii.nrrd" ? 4 : 0;  // without its last digit a number is another one
+    const std::size_t last = name == "ascii.nrrd" ? 4 : 0;  // a number without its last digit is a different number
     for (std::size_t left = 0; left + last < values.size(); ++left) {
       SCOPED_TRACE(name + " with " + std::to_string(left) + " bytes of values");
       EXPECT_FALSE(readBytes(name, head + values.substr(0, left)));
@@ -516,7 +515,7 @@ TEST(LabelVolume, FilesOfEveryEncodingThatAreCutShortAreRefusedAtEveryByte) {
   }
 }
 
-// GDCM returns what was in memory before for pixels that are not there.
+// GDCM returns uninitialised memory for missing pixels.
 TEST(LabelVolume, DicomFilesThatAreCutShortAreRefusedAtEveryByteOfTheirPixels) {
   const std::string lower = dicomSlice(countingLabels().substr(0, 12), 0),
                     upper = dicomSlice(countingLabels().substr(12), 2),
@@ -537,7 +536,7 @@ TEST(LabelVolume, DicomFilesThatAreCutShortAreRefusedAtEveryByteOfTheirPixels) {
   }
 }
 
-// A length of 1.4 GB in a file of 568 bytes: neither the program takes that, nor the process that tries the slices.
+// A length of 1.4 GB in a file of 568 bytes: neither the program nor the process that tries the slices allocates it.
 TEST(LabelVolume, LengthsInDicomFilesAreNotTakenAsMemory) {
   const std::filesystem::path seed =
       std::filesystem::path(KERF_SOURCE_DIR) / "tests/data/fuzz/label_slices/a-length-of-gigabytes";
@@ -612,7 +611,7 @@ TEST(LabelVolume, DicomFilesWithCompressedPixelsAreReadWholeOrRefused) {
   }
 }
 
-// How a TIFF picture is written.
+// Layout of a TIFF picture.
 struct TiffWriting {
   std::uint16_t compression = 1;  // none; 8 and 32946 deflate, 32773 PackBits
   std::size_t rows_per_strip = 3;
@@ -648,7 +647,7 @@ TiffSlice tiff(const std::string& values, const TiffWriting& writing = {}) {
   for (std::size_t row = 0; row < kRows; row += writing.rows_per_strip)
     strips.push_back(packed(values.substr(kColumns * row, kColumns * writing.rows_per_strip)));
 
-  // Where what stands: header, directory, the two lists if an entry is too small for them, strips.
+  // Layout: header, directory, the two lists if an entry is too small for them, strips.
   const std::size_t word = writing.is_big_tiff ? 8 : 4, header = writing.is_big_tiff ? 16 : 8;
   const std::size_t directory = writing.is_big_tiff ? 8 + 20 * kEntries + 8 : 2 + 12 * kEntries + 4;
   const std::size_t list = 4 * strips.size(), lists = header + directory;
@@ -712,7 +711,7 @@ TEST(LabelVolume, TiffSlicesAreReadInEveryWriting) {
   expectRefusal(readTiffs(tiles, tiles), "a.tif: a picture in tiles");
 }
 
-// libtiff has all values before it comes to the checksum: it would not look at it.
+// libtiff has all values before it reaches the checksum and would ignore it.
 TEST(LabelVolume, DeflatedTiffSlicesWithOneBitChangedAreNeverReadWithOtherLabels) {
   testing::internal::CaptureStderr();
   const TiffWriting deflate{.compression = kTiffDeflate};
@@ -725,7 +724,7 @@ TEST(LabelVolume, DeflatedTiffSlicesWithOneBitChangedAreNeverReadWithOtherLabels
     damaged[bit / 8] = static_cast<char>(damaged[bit / 8] ^ (1 << (bit % 8)));
     const auto v = readTiffs(lower, upper.head + damaged);
     if (v)
-      expectCounting(v);  // bits that fill up the last byte say nothing
+      expectCounting(v);  // padding bits of the last byte have no meaning
     else
       expectRefusal(v, "b.tif: strip 1 of 1");
     refused += !v;
@@ -758,19 +757,19 @@ TEST(LabelVolume, DeflatedTiffStripsWithFewerValuesThanTheirPictureAreRefused) {
   expectRefusal(readTiffs(few.bytes(), few.bytes()), "strip 1 of 1: 5 bytes of values, unpacked; expected 12");
 }
 
-// Without a checksum only what contradicts itself is found. What libtiff says of it is ours to say.
+// Without a checksum, only contradictions are found. Kerf reports libtiff's message.
 TEST(LabelVolume, PackBitsThatEndTooSoonAreRefusedWithoutAWordFromTheLibrary) {
   const TiffWriting runs{.compression = kTiffPackBits};
   const std::string lower = tiff(countingLabels().substr(0, 12), runs).bytes();
   TiffSlice upper = tiff(countingLabels().substr(12), runs);
-  upper.strips[10] = 2;  // the last row has three values; the fourth is taken for the length of a run that is not there
+  upper.strips[10] = 2;  // the last row has three values; the fourth would be the length of a missing run
   testing::internal::CaptureStderr();
   const auto v = readTiffs(lower, upper.bytes());
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
   expectRefusal(v, "b.tif");
 }
 
-// libpng compares the checksum of every part.
+// libpng checks the checksum of every part.
 TEST(LabelVolume, PngSlicesWithOneBitChangedAreNeverReadWithOtherLabels) {
   const std::string lower = greyPng(4, 3, countingLabels().substr(0, 12)),
                     upper = greyPng(4, 3, countingLabels().substr(12));
@@ -786,7 +785,7 @@ TEST(LabelVolume, PngSlicesWithOneBitChangedAreNeverReadWithOtherLabels) {
     if (v) expectCounting(v);
     refused += !v;
   }
-  EXPECT_GT(2 * refused, upper.size());  // of 8/7 as many; what follows the values is not read
+  EXPECT_GT(2 * refused, upper.size());  // of 8/7 as many; bytes after the values are not read
 }
 
 TEST(LabelVolume, CompressedFilesSayWhatIsWrongWithThem) {
@@ -798,7 +797,7 @@ TEST(LabelVolume, CompressedFilesSayWhatIsWrongWithThem) {
   expectRefusal(readBytes("a.nii.gz", compressed(nifti(countingLabels().substr(0, 14)), Stream::kGzip)),
                 "14 bytes of values, unpacked; expected 24, as its header claims");
 
-  // Longer than what is looked at for the header.
+  // Longer than the part read for the header.
   std::string large = nifti(std::string(90 * 90 * 90, '\1'));
   for (std::size_t axis = 0; axis < 3; ++axis) put<std::int16_t>(large, 42 + 2 * axis, 90);
   std::mt19937 random(20261122);
@@ -841,8 +840,8 @@ TEST(LabelVolume, MetaImageInTextIsReadWholeOrRefused) {
                 "23 values; expected 24, as its header claims");
 }
 
-// ITK passes over keys in other letters: it would take 1 mm for the spacing, and what is compressed for labels.
-// Found by fuzzing: MetaIO copied the name of a type of 300 bytes into 255, and ended the program.
+// ITK ignores keys in other letter case: it would use a spacing of 1 mm and read compressed bytes as labels. Found by
+// fuzzing: MetaIO copied a type name of 300 bytes into 255, and ended the program.
 TEST(LabelVolume, WordsOfMetaImageThatItsReaderHasNoRoomForAreRefused) {
   const std::string spacing = "ElementSpacing = 1 1 1\n", many(255, 'x');
   for (const char* key : {"ObjectSubType", "Comment", "Name", "AcquisitionDate", "Sender"})
@@ -898,7 +897,7 @@ TEST(LabelVolume, CancellingStopsReading) {
   EXPECT_EQ(v.error().code, Error::Code::kCancelled);
 }
 
-// Each format 600 times (slices, each tried in a process of its own, 100), with bytes changed, cut off or doubled, most
+// Each format 600 times (slices, each tried in a separate process, 100), with bytes changed, cut off or doubled, most
 // of them in the header: read or refused.
 TEST(LabelVolume, MutatedFilesAreReadOrRefused) {
   const std::vector<std::pair<std::string, std::string>> seeds{
@@ -962,7 +961,7 @@ TEST(LabelVolume, MutatedFilesAreReadOrRefused) {
       }
     }
 
-    // The checksums of a PNG find every change; those of a TIFF by deflate all but a few.
+    // PNG checksums find every change; TIFF deflate checksums all but a few.
     EXPECT_GT(read, f > 3 ? -1 : 0) << name;
     EXPECT_GT(refused, f < 3 ? 50 : 10) << name;
   }

@@ -1,4 +1,4 @@
-// The finer grids of a region against a whole object baked that fine: there is no difference where the region is.
+// The finer grids of a region against a whole object baked at that resolution: equal within the region.
 #include "geometry/field/fine_region.h"
 
 #include <gtest/gtest.h>

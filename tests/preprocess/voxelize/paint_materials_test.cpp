@@ -1,4 +1,4 @@
-// Which material a node gets: claims in order of priority, depths, gaps.
+// Material of a node: claims in order of priority, depths, gaps.
 #include <gtest/gtest.h>
 #include <openvdb/openvdb.h>
 #include <openvdb/points/PointAttribute.h>
@@ -21,7 +21,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 double ballVolume(double r) { return 4.0 / 3 * kPi * r * r * r; }
-/// Of a ball of radius r, what lies less than `height` below its top.
+/// Volume of the cap of height `height` of a ball of radius r.
 double capVolume(double r, double height) { return kPi * height * height * (3 * r - height) / 3; }
 
 MaterialClaim inside(Material material, const Mesh& solid) {
@@ -45,7 +45,7 @@ Labels written(const Anatomy& anatomy, const TemporaryFolder& folder) {
           openvdb::gridPtrCast<openvdb::points::PointDataGrid>(file.readGrid("shell"))};
 }
 
-/// Calls work(position, material) for every point of the shell; returns how many there were.
+/// Calls work(position, material) for every point of the shell and returns their number.
 template <class Work>
 std::size_t forEachShellPoint(const openvdb::points::PointDataGrid& shell, const Work& work) {
   std::size_t count = 0;
@@ -155,7 +155,7 @@ TEST(PaintMaterials, EveryShellPointHasTheMaterialOfItsPlace) {
   const std::size_t count = forEachShellPoint(*labels.shell, [](const Vec3d& p, Material m) {
     if (p.z() > 0.51) {
       EXPECT_EQ(m, Material::kEnamel) << p.transpose();
-    } else if (p.z() < 0.51 - 0.21) {  // the outer half of the shell takes its neighbours': two voxels of doubt
+    } else if (p.z() < 0.51 - 0.21) {  // outer half of the shell uses the neighbours: two voxels of doubt
       EXPECT_EQ(m, Material::kDentin) << p.transpose();
     } else {
       EXPECT_TRUE(m == Material::kEnamel || m == Material::kDentin) << p.transpose();

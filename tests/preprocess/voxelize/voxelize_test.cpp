@@ -48,7 +48,7 @@ TEST(Voxelize, ShellAreaIsTheBallsWithinATwoThousandthsOverTenOffsets) {
     const auto anatomy = voxelize(ballMesh(c, 2, 120), {});
     ASSERT_TRUE(anatomy) << anatomy.error().message();
     EXPECT_NEAR(anatomy->stats().shell_area_mm2 / (4 * kPi * 4), 1.0, 0.002);
-    // The step counts a curved surface's outside a little more than its inside: 0.06 % at 20 voxels' radius.
+    // The step counts the outside of a curved surface a little more than its inside: 0.06 % at a radius of 20 voxels.
     EXPECT_NEAR(anatomy->stats().volume_mm3 / ballVolume(2), 1.0, 0.0015);
   }
 }

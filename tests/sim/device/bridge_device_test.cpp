@@ -1,5 +1,5 @@
-// The whole way of a force: haptic loop, mailbox, datagrams, the dead-man of a bridge, the arm's motors; and back. All
-// on simulated arms. How long a force goes on goes by the stamps of frames, which a busy machine does not spoil.
+// The full path of a force: haptic loop, mailbox, datagrams, the dead-man of a bridge, the arm's motors; and back. All
+// on simulated arms. Frame stamps measure the duration of a force, independent of machine load.
 #include "sim/device/bridge_device.h"
 
 #include <arpa/inet.h>
@@ -29,8 +29,8 @@ using std::chrono::steady_clock;
 
 constexpr std::int64_t kMs = 1'000'000;  // ns
 constexpr std::int64_t kDeadManNs = 20 * kMs;
-// Kerf's 20 ms, the arm's next tick, and a frame's way: Kerf's thread is put aside between clock and socket, now and
-// then.
+// Kerf's 20 ms, the arm's next tick, and the transit of a frame. The system may suspend Kerf's thread between clock and
+// socket.
 constexpr double kForcelessMs = 20 + 2;
 
 template <class Condition>
@@ -50,7 +50,7 @@ CutPath way(const std::vector<std::pair<double, Vec3d>>& points) {
 }
 CutPath pressesFor(double seconds) { return way({{0, {0, 0, 1}}, {0.3, {0, 0, -4}}, {seconds, {0, 0, -4}}}); }
 
-// In the place of the haptic thread: a wall at z = 0.
+// Replaces the haptic thread: a wall at z = 0.
 class WallLoop {
  public:
   WallLoop(BridgeDevice& device, double stiffness) : device_(device), stiffness_(stiffness) {
@@ -92,7 +92,7 @@ class WallLoop {
   std::thread thread_;
 };
 
-// What a transport sends, on a clock of the test's own.
+// Output of a transport on the test's own clock.
 TEST(ArmLink, ForceAndDeadlineEndTwentyMillisecondsAfterTheOlderNews) {
   constexpr std::int64_t kNow = 1'000'000 * kMs;
   for (const std::int64_t hand_age : {0 * kMs, 7 * kMs, 25 * kMs})
@@ -129,7 +129,7 @@ class Bridge : public testing::Test {
     ASSERT_TRUE(arm);
     arm_ = std::move(*arm);
   }
-  /// How long the arm gave force after `since`, by the stamps of frames, ms.
+  /// Duration of the arm's force after `since`, by frame stamps, ms.
   double forceAfterMs(std::int64_t since) const {
     EXPECT_TRUE(until([&] { return !arm_->report().is_enabled; }));
     return 1e-6 * static_cast<double>(arm_->report().stopped_ns - since);
@@ -170,7 +170,7 @@ TEST_F(Bridge, AgainstAWallTheForceIsTheSpringsAndTheClampHolds) {
   ASSERT_TRUE(until([&] { return isPushed(); }));
   std::this_thread::sleep_for(milliseconds(700));
   const ArmReport report = arm_->report();
-  // A hand of 0.3 N/mm wants to be 4 mm inside: the two springs settle at K z = 0.3 (4 - z), within the friction.
+  // A hand of 0.3 N/mm aims 4 mm inside. The two springs settle at K z = 0.3 (4 - z), within the friction.
   EXPECT_NEAR(-report.position[2], 4 * 0.3 / 1.3, 0.25);
   EXPECT_LE(report.most_force, 3 + 1e-9);
 }
@@ -339,7 +339,7 @@ TEST_F(Bridge, ATorqueGoesToADeviceThatGivesOneBoundByWhatItCan) {
   HandFrame hand;
   hand.most_torque = 40;
   ForceFrame felt;
-  // Some ticks of a torque; then what the device was told last.
+  // Some ticks of a torque; then the device's last torque.
   const auto turnedBy = [&](const Vec3d& torque, bool gives) {
     hand.gives_torque = gives;
     for (int n = 0; n < 100; ++n) {
@@ -369,7 +369,7 @@ TEST_F(Bridge, ATorqueGoesToADeviceThatGivesOneBoundByWhatItCan) {
   ::close(socket);
 }
 
-// The haptic thread itself, allocation guard and all, on an arm of average friction with the coupling of its profile.
+// The real haptic thread with its allocation guard, on an arm of average friction with the coupling of its profile.
 TEST_F(Bridge, TheWholeStackIsPassiveOnABlockAndCutsIt) {
   const DeviceProfile profile{.delay_s = 0.004, .mass_kg = 0.08, .friction = 0.05, .encoder_mm = 0.02};
   Model model;
@@ -381,7 +381,7 @@ TEST_F(Bridge, TheWholeStackIsPassiveOnABlockAndCutsIt) {
   ASSERT_TRUE(opened);
   BridgeDevice& device = **opened;
   device.enable(true);
-  device.arm();  // a guarded device arms itself alone
+  device.arm();  // a guarded device arms itself
   test::GuardedDevice guarded(&device);
   HapticThread haptic(model, {test::block({6, 4, 2}, 0.1)}, start, test::ordinaryHaptics());
   ASSERT_TRUE(haptic.start(guarded, {}, nullptr));
@@ -392,7 +392,7 @@ TEST_F(Bridge, TheWholeStackIsPassiveOnABlockAndCutsIt) {
   hand.delay_ticks = 1;
   auto arm = ArmSimulator::start(path, {.port = device.port(), .hand = hand});
   ASSERT_TRUE(arm);
-  // A machine that is too busy to run a thread for 20 ms latches; the person goes on.
+  // A machine that stalls a thread for 20 ms latches. The person continues.
   ASSERT_TRUE(test::becomes(haptic, [&](const HapticReport& report) {
     if (report.is_latched && device.counts().is_talking) haptic.send(ClearLatch{});
     return (*arm)->report().is_over;

@@ -89,9 +89,9 @@ TEST(DeviceFinder, ASerialThatTwoHaveNamesNone) {
   EXPECT_EQ(chosen.error().code, Error::Code::kBadValue);
 }
 
-// ---- The udev rule that is installed: who sits at the machine may open what a driver knows
+// ---- The installed udev rule: the local user may open the devices of all drivers
 
-// What the lines about hidraw nodes permit, each in one of two ways.
+// Permissions from the lines about hidraw nodes, each in one of two forms.
 class UdevRule {
  public:
   UdevRule() {
@@ -124,7 +124,7 @@ class UdevRule {
  private:
   struct Line {
     int vendor = 0;
-    std::set<int> products;  // empty: all of them
+    std::set<int> products;  // empty: all products
   };
   static int numberOf(const std::string& digits) { return std::stoi(digits, nullptr, 16); }
   std::vector<Line> lines_;

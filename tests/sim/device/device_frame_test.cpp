@@ -50,7 +50,7 @@ TEST(DeviceFrame, WhatIsWrittenIsRead) {
   EXPECT_EQ(back.deadline_ms, 20u);
 }
 
-// The table of docs/reference/device-bridge.md, byte by byte: what other people's bridges are written by.
+// The table of docs/reference/device-bridge.md, byte by byte: the reference for external bridges.
 TEST(DeviceFrame, TheLayoutIsTheOneOfTheReference) {
   const auto bytes = encode(someHand());
   EXPECT_EQ(bytes[0], 'K');

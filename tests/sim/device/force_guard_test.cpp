@@ -25,7 +25,7 @@ TEST(ForceGuard, DisarmedItGivesNothingAndArmedItFadesIn) {
   EXPECT_EQ(guard.pass({0, 0, 1}, kMs), Vec3d::Zero()) << "at once";
 }
 
-// How far a force is from those on the way from the last one to zero.
+// Distance of a force from the line between the last force and zero.
 double fromWayBack(const Vec3d& force, const Vec3d& last) {
   const double old = last.squaredNorm();
   return (force - (old > 0 ? std::clamp(force.dot(last) / old, 0.0, 1.0) : 0.0) * last).norm();
@@ -37,7 +37,7 @@ TEST(ForceGuard, SizeAndRateAreBoundAndTheWayBackIsNot) {
   Vec3d last = Vec3d::Zero();
   double most = 0, fastest = 0;
   for (int n = 0; n < 2000; ++n) {
-    const double speed = n < 1000 ? 0.01 : 1;  // first the size, then the rate
+    const double speed = n < 1000 ? 0.01 : 1;  // first the magnitude, then the rate
     const Vec3d force = guard.pass(10 * Vec3d(std::sin(0.9 * speed * n), std::cos(1.7 * speed * n), 1), kMs);
     most = std::max(most, force.norm());
     fastest = std::max(fastest, fromWayBack(force, last));
@@ -49,7 +49,7 @@ TEST(ForceGuard, SizeAndRateAreBoundAndTheWayBackIsNot) {
   EXPECT_EQ(guard.pass(Vec3d::Zero(), kMs), Vec3d::Zero());
 }
 
-// A hand that is pulled one way must not be struck the other way, though that force is the smaller one.
+// A hand under a pull must not be struck in the opposite direction, although that force is smaller.
 TEST(ForceGuard, AForceThatTurnsRoundGrowsFromZero) {
   ForceGuard guard({.force = 3, .rate = 500, .ramp_s = kMs});
   guard.arm();
@@ -86,7 +86,7 @@ TEST(WorkspaceMap, ATurnedAndScaledHandMeetsTheToolAndFeelsItsForceWhereItPushes
   EXPECT_NEAR((way - Vec3d(0, 1, 0)).norm(), 0, 1e-12) << "to its right is along +y of the world, at half the size";
   EXPECT_NEAR((map.toDevice(-way) - Vec3d(-1, 0, 0)).norm(), 0, 1e-12) << "against the motion in both";
 
-  // Its turn about its own axis is that of the tool about the same axis of the world.
+  // A turn about its own axis turns the tool about the same axis of the world.
   Rigid3 turned = hand;
   turned.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(0.2, Vec3d::UnitX())) * hand.rotation;
   const Eigen::AngleAxisd got(map.toWorld(turned).rotation * tool.rotation.conjugate());

@@ -1,4 +1,4 @@
-// What tests of devices with force share: waiting, somebody in the place of the haptic thread, a simulated system.
+// Shared by tests of force devices: waiting, a replacement of the haptic thread, a simulated system.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -29,10 +29,10 @@ bool until(const Condition& holds, int most_ms = 20000) {
   }
   return holds();
 }
-// Another process that does something again and again, until it is killed as by kill -9.
+// A process that repeats an action until it is killed as by kill -9.
 class Doomed {
  public:
-  /// @param begin  gives what is done each millisecond; it owns what it needs.
+  /// @param begin  returns the action of each millisecond, which owns its data.
   explicit Doomed(const std::function<std::function<void()>()>& begin) : process_(::fork()) {
     if (process_ != 0) return;
     const std::function<void()> each = begin();
@@ -57,7 +57,7 @@ class Doomed {
   pid_t process_;
 };
 
-// In the place of the haptic thread: a force that is always the same.
+// Replaces the haptic thread with a constant force.
 class Pusher {
  public:
   Pusher(ForceArm& arm, const Vec3d& force) : arm_(arm), force_(force) {
@@ -68,8 +68,8 @@ class Pusher {
     thread_.join();
   }
   std::atomic<bool> hangs{false}, is_valid{false}, gives_nan{false};
-  /// Waits until no hand is taken any more.   @return  how old the newest hand was when it was taken last, ms, by the
-  /// clock of who takes it: a busy machine does not spoil it.
+  /// Waits until no hand is valid.   @return  age of the newest hand when it was last taken, ms, by the taker's clock,
+  /// independent of machine load.
   double lastTakenAgeMs() const {
     EXPECT_TRUE(until([&] { return !is_valid; }));
     return 1e-6 * static_cast<double>(taken_ns_ - arm_.counts().newest_came_ns);
@@ -107,7 +107,7 @@ class Pusher {
   std::thread thread_;
 };
 
-// Under the hidapi of the system; skipped where umockdev is not preloaded.
+// Under the system's hidapi; skipped where umockdev is not preloaded.
 class OnTestbed : public testing::Test {
  protected:
   void SetUp() override {
@@ -120,8 +120,8 @@ class OnTestbed : public testing::Test {
     return opened ? std::move(opened->arm) : nullptr;
   }
   Bytes lastWritten() const { return bed_->lastWritten(0); }
-  // Does what is to take the force away, and waits for that. A force is sent once a millisecond at most: so many
-  // reports that still give one are milliseconds, whatever else the machine does meanwhile.
+  // Makes a change that ends the force, and waits for the end. Kerf sends at most one force per millisecond, so the
+  // number of reports with force is a time in ms, independent of machine load.
   int forcesAfter(const std::function<void()>& change, const std::function<bool(const Bytes&)>& gives) {
     const std::size_t before = bed_->written(0).size();
     change();
@@ -129,9 +129,9 @@ class OnTestbed : public testing::Test {
     const std::vector<Bytes> all = bed_->written(0);
     return static_cast<int>(std::count_if(all.begin() + static_cast<std::ptrdiff_t>(before), all.end(), gives));
   }
-  static constexpr int kDeadMan = 25;  ///< reports: 20 ms, and what was on its way
-  // Its firmware: a report each millisecond, of its number from 1 on. It runs until TearDown, past the end of the
-  // test's own variables: what `report` captures is its own, or the fixture's.
+  static constexpr int kDeadMan = 25;  ///< reports: 20 ms, and those in transit
+  // The firmware: one report per millisecond, numbered from 1. It runs until TearDown, beyond the life of the test's
+  // locals: `report` may capture only its own data or the fixture's.
   void talk(const std::function<Bytes(std::uint32_t)>& report) {
     firmware_ = std::thread([this, report] {
       for (std::uint32_t number = 1; !is_off_;) {

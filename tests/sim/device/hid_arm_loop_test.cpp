@@ -1,5 +1,5 @@
-// The loop of an arm on HID, closed: its mass, damper and encoders moved by what Kerf writes through the system's
-// hidapi, and felt by Kerf in what it reads. Against a wall, in the place of the haptic thread.
+// The closed loop of an HID arm: Kerf's output through the system's hidapi moves its mass, damper and encoders, and
+// Kerf reads the result. A wall replaces the haptic thread.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -19,7 +19,7 @@ namespace {
 using namespace test;
 using std::chrono::milliseconds;
 
-// Steps of an arm from the last news of Kerf to no force: 20 ms, the one that is under way, and a frame on its way.
+// Steps of an arm from Kerf's last frame to zero force: 20 ms, the current step, and a frame in transit.
 constexpr int kForceless = 20 + 2;
 
 CutPath way(const std::vector<std::pair<double, Vec3d>>& points) {
@@ -30,7 +30,7 @@ CutPath way(const std::vector<std::pair<double, Vec3d>>& points) {
 }
 CutPath pressesFor(double seconds) { return way({{0, {0, 0, 0}}, {0.3, {0, 0, -5}}, {seconds, {0, 0, -5}}}); }
 
-// A wall half a millimetre below where the tool begins, with the damping of a coupling.
+// A wall half a millimetre below the tool's start, with the damping of a coupling.
 class Wall {
  public:
   explicit Wall(const CouplingSettings& coupling) : stiffness_(coupling.stiffness), damping_(coupling.damping) {}
@@ -40,7 +40,7 @@ class Wall {
       return Vec3d::Zero();
     }
     const double z = sample.T_world_device.translation[2];
-    // As the coupling's: a velocity of an encoder through a low-pass of 150 Hz.
+    // Like the coupling's: an encoder velocity through a low-pass of 150 Hz.
     const double gain = 1 - std::exp(-2 * std::numbers::pi * 150 * kTick);
     speed_ = has_last_ ? speed_ + gain * ((z - last_) / kTick - speed_) : 0;
     last_ = z;
@@ -79,7 +79,7 @@ class HidLoop : public OnTestbed {
     arm->arm();
     return arm;
   }
-  // One tick of both, in lock-step: the arm says where it is, Kerf takes that and answers, the answer is written.
+  // One tick of both, in lock-step: the arm reports its place, Kerf reads and answers, the answer is written.
   bool tick(SimulatedArm& body, ForceArm& arm, Wall& wall) {
     const std::uint64_t taken = arm.counts().hands;
     const bool goes_on = body.step();
@@ -96,7 +96,7 @@ class HidLoop : public OnTestbed {
     for (int n = 0; n < 3000 && !(n > 600 && body.force()[2] > 0.5); ++n) tick(body, arm, wall);
     ASSERT_GT(body.force()[2], 0.5);
   }
-  // The arm alone, until it gives no force.   @return  for how many of its steps it gave one.
+  // Only the arm, until it gives no force.   @return  number of its steps with force.
   int stepsWithForce(SimulatedArm& body) {
     int steps = 0;
     for (; steps < 1000; ++steps) {
@@ -112,8 +112,8 @@ class HidLoop : public OnTestbed {
   bool is_valid_ = false;
 };
 
-// Pressed again and again. A fade-in while it leans on the wall gives energy by itself: it yields, then pushes. So a
-// press that a busy machine breaks, with more than 20 ms between two ticks, is not judged.
+// Repeated presses. A fade-in while leaning on the wall gives energy by itself: the wall yields, then pushes. So a
+// press interrupted by a busy machine, with more than 20 ms between two ticks, does not count.
 TEST_F(HidLoop, NoEnergyGrowsAgainstAWallAtTheRatedStiffnessAndTheClampHolds) {
   EXPECT_EQ(coupling_.stiffness, rated_) << "such an arm bears what it is rated for";
   std::vector<std::pair<double, Vec3d>> presses;
@@ -156,7 +156,7 @@ TEST_F(HidLoop, NoEnergyGrowsAgainstAWallAtTheRatedStiffnessAndTheClampHolds) {
   }
   std::printf("%d presses: energy at most %.4f N mm, left %.4f; force at most %.2f N\n", judged, most, most_left,
               body.mostForce());
-  // A hand of 1 N/mm that wants to be 9 mm down would come to a balance at 4 N.
+  // A hand of 1 N/mm that aims 9 mm down would balance at 4 N.
   EXPECT_GT(body.mostForce(), 2.5);
   if (judged == 0) GTEST_SKIP() << "this machine is too busy: no press went without a break";
   EXPECT_LT(most, 0.02) << "N mm given to the hand";
@@ -170,7 +170,7 @@ TEST_F(HidLoop, AStallOfTheHapticThreadTakesTheForceAway) {
   Wall wall(coupling_);
   press(body, *arm, wall);
   EXPECT_LE(stepsWithForce(body), kForceless);
-  // The hand went on by millimetres: what it is pushed by then comes slowly.
+  // The hand has moved on by millimetres, so the force of the wall rises slowly.
   for (int n = 0; n < 10; ++n) {
     tick(body, *arm, wall);
     EXPECT_LT(body.force().norm(), 3 * 0.2) << "it fades in again, over 100 ms";
@@ -225,7 +225,7 @@ TEST_F(HidLoop, AKilledKerfLeavesNoForceBehind) {
     body.answer();
     return std::filesystem::exists(begun);
   })) << "it begins to press once it is taken";
-  // Both on the clock now.
+  // Both in real time now.
   for (int steps = 0; steps < 20000 && !(body.force()[2] > 0.5 && body.ticksWithForce() > 50); ++steps) {
     std::this_thread::sleep_for(milliseconds(1));
     body.step();

@@ -1,4 +1,4 @@
-// Arms on HID: reports of Kerf's profile, and the way of a force through the hidapi of the system to a simulated arm.
+// HID arms: reports of Kerf's profile, and the path of a force through the system's hidapi to a simulated arm.
 #include "sim/device/hid_arm.h"
 
 #include <gtest/gtest.h>
@@ -130,7 +130,7 @@ TEST_F(HidArms, OurOwnProfileClosesTheLoopAndGivesNoForceWithoutNews) {
   is_silent_ = false;
   ASSERT_TRUE(until([&] { return felt().is_enabled; })) << "it fades in again";
 
-  // Unplugged in the middle.
+  // Unplugged during a force.
   is_silent_ = true;
   bed_->unplug(raw_);
   EXPECT_LE(pusher.lastTakenAgeMs(), 1000 * ForceArm::kDeadMan);
@@ -138,7 +138,7 @@ TEST_F(HidArms, OurOwnProfileClosesTheLoopAndGivesNoForceWithoutNews) {
   EXPECT_NE(arm->counts().trouble.find("unplugged"), std::string::npos);
 }
 
-// The report under way is given its deadline by the arm; what follows is news, and fades in.
+// The arm itself ends the current report by its deadline. Reports after it are new and fade in.
 TEST_F(HidArms, AWriteThatIsStuckIsFollowedByNoOldForce) {
   bed_->plugIn(raw_);
   talk([](std::uint32_t number) {
@@ -167,7 +167,7 @@ TEST_F(HidArms, AWriteThatIsStuckIsFollowedByNoOldForce) {
   ASSERT_TRUE(until([&] { return bed_->written(0).size() > 3; }));
   const std::vector<Bytes> after = bed_->written(0);
   EXPECT_LE(feltOf(after[0]).deadline_ms, 20u);
-  // The force fades in by time, and time may pass between two of them.
+  // The force fades in over time, and time may pass between two reports.
   for (std::size_t n = 1; n < 4; ++n) EXPECT_LT(feltOf(after[n]).force[2], 2.5) << n;
   ASSERT_TRUE(until([&] { return feltOf(lastWritten()).force[2] > 2.9; })) << "it fades in again";
 }

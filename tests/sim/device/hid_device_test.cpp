@@ -1,4 +1,4 @@
-// The hidapi of the system against simulated devices: all of it but the wire. Skipped where umockdev is not preloaded.
+// The system's hidapi against simulated devices: everything except the wire. Skipped where umockdev is not preloaded.
 #include "sim/device/hid_device.h"
 
 #include <gtest/gtest.h>

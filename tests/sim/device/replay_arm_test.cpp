@@ -1,4 +1,4 @@
-// Arms that are recorded, and their recordings in their place: the same hands, bit for bit, whatever brought them.
+// Recorded arms and replays of the recordings: the same hands, bit for bit, from any transport.
 #include "sim/device/replay_arm.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ using HandBytes = std::array<std::uint8_t, kHandFrameSize>;
 
 class ReplayedArms : public OnTestbed {
  protected:
-  // Records an arm while it talks, and keeps the hands that it gave.
+  // Records a live arm and keeps its hands.
   void record(
       const std::string& name, const std::function<void(ForceArm&)>& begin = [](ForceArm&) {}) {
     std::mutex mutex;
@@ -51,7 +51,7 @@ class ReplayedArms : public OnTestbed {
   }
   std::string file() const { return (folder_.path() / "arm.txt").string(); }
 
-  // Each hand that was seen is in the recording, as it was.
+  // Each observed hand is in the recording, unchanged.
   void expectSame() {
     const auto read = readRecording(file());
     ASSERT_TRUE(read) << read.error().message();

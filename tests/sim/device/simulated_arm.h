@@ -1,8 +1,8 @@
-// An arm on HID that is not there, for tests: mass, damping, friction and encoders of a DeviceHand, moved by the
-// forces that Kerf writes, at the other end of the system's hidapi.
+// A simulated HID arm for tests: mass, damping, friction and encoders of a DeviceHand, moved by Kerf's forces, at the
+// other end of the system's hidapi.
 //
-// Its time goes by its own steps of a millisecond, each at least as long on the clock: a busy machine makes the arm
-// slow, and nothing that is measured in its time worse.
+// Its time advances in steps of a millisecond, each at least as long in real time. A busy machine slows the arm down,
+// but does not affect measurements in its time.
 #pragma once
 
 #include <algorithm>
@@ -15,13 +15,13 @@ namespace kerf::test {
 
 class SimulatedArm {
  public:
-  /// @param path  of the hand that holds it, mm from where it begins.
+  /// @param path  of the hand that holds it, mm from its start.
   SimulatedArm(HidTestbed& bed, CutPath path, const DeviceHand::Options& hand, int node = 0)
       : bed_(bed), node_(node), path_(std::move(path)), hand_(path_, hand) {
     place_ = poseAt(path_, 0).translation;
     say(place_);
   }
-  /// A millisecond: takes what was written, moves, and says where it is. False: the path is over.
+  /// Advances a millisecond: reads the written force, moves, and reports its place. False: the path is over.
   bool step() {
     hear();
     ++ticks_since_word_;
@@ -37,7 +37,7 @@ class SimulatedArm {
     say(place_);
     return goes_on;
   }
-  /// Takes what was written and says where it is, as ever; but no time goes by for its hand.
+  /// Reads the written force and reports its place, without advancing the time of its hand.
   void answer() {
     hear();
     say(place_);
@@ -45,11 +45,11 @@ class SimulatedArm {
   /// N at its tip, device frame.
   const Vec3d& force() const { return force_; }
   double mostForce() const { return most_force_; }
-  /// Steps with a force without a break, up to now.
+  /// Current number of consecutive steps with a force.
   int ticksWithForce() const { return ticks_with_force_; }
-  /// Given to the hand so far, N mm.
+  /// Energy given to the hand so far, N mm.
   double energy() const { return hand_.portEnergy(); }
-  /// Of the tip from where it begins, mm.
+  /// Displacement of the tip from its start, mm.
   const Vec3d& position() const { return hand_.position(); }
 
  private:

@@ -23,7 +23,7 @@ TEST(DeviceProfile, TheCouplingIsThatOfTheFormula) {
       {4, 0.05, 0.05, 0.03, 0.2 * 0.05e-3 / (0.0045 * 0.0045), CouplingBound::kMass},
       {5, 0.03, 0.05, 0.005, 0.2 * 0.03e-3 / (0.0055 * 0.0055), CouplingBound::kMass},
       {1, 0.08, 0, 0.05, 0.01 / 0.05 / std::numbers::sqrt2,
-       CouplingBound::kEncoder},  // friction counts as 0.01 N at least
+       CouplingBound::kEncoder},  // the minimum of friction is 0.01 N
       {1, 0.08, 0, 0, 1, CouplingBound::kNone},
   };
   const double gain = 1 - std::exp(-2 * std::numbers::pi * 150 * kTick);
@@ -42,11 +42,11 @@ TEST(DeviceProfile, TheCouplingIsThatOfTheFormula) {
     EXPECT_NEAR(c.running_damping, c.stiffness * tau + 0.002, 1e-12);
     EXPECT_GE(c.damping, 0.7 * c.stiffness * tau - 1e-12);
     EXPECT_LE(c.damping, c.running_damping);
-    // A step of the encoder kicks the hand by no more than twice its friction, unless the delay asks for more.
+    // An encoder step kicks the hand by at most twice its friction, unless the delay demands more.
     if (c.damping > 0.7 * c.stiffness * tau + 1e-12) {
       EXPECT_LE(c.damping * gain * row.encoder_mm / kTick, 2 * friction + 1e-12);
     }
-    // What does not follow from the profile stays.
+    // Values that do not depend on the profile stay.
     EXPECT_EQ(c.turn_stiffness, CouplingSettings{}.turn_stiffness);
     EXPECT_EQ(c.force_limit, CouplingSettings{}.force_limit);
   }
@@ -78,7 +78,8 @@ TEST(HeldDevice, LosesWhatFrictionAndDampingTakeAndGainsWhatMotorsGive) {
   scenes::HeldDeviceNumbers n;
   n.step = 0;
   n.delay_s = 0;
-  // Pulled with a constant force from rest: the work of the motors is in the device's own losses and in hand and grip.
+  // Pulled with a constant force from rest: the work of the motors goes to the device's own losses and to hand and
+  // grip.
   scenes::HeldDevice device(n, Vec3d::Zero());
   for (int i = 0; i < 3000; ++i) device.tick({0.5, 0, 0}, Vec3d::Zero());
   const double stiffness = n.arm * n.grip / (n.arm + n.grip);

@@ -24,7 +24,7 @@ Tool toolOf(const std::string& id) {
   return *tool;
 }
 
-// A saw above a block whose top is at z = 0, its blade in the plane x = 0, in lockstep: what the haptic thread does.
+// A saw above a block with its top at z = 0, its blade in the plane x = 0, in lockstep, as on the haptic thread.
 class Bench {
  public:
   Bench(const std::string& saw, const Vec3d& block)
@@ -58,7 +58,7 @@ class Bench {
     EXPECT_TRUE(session_.apply(PlaceTool{{p[0], p[1], p[2]}, {q.w(), q.x(), q.y(), q.z()}}));
     hand_.placed(session_.state().body.pose);
   }
-  // @return whether it was over in that time.
+  // @return whether the hand was done within that time.
   bool run(double seconds) {
     for (int n = 0; n < seconds / kTick; ++n) {
       sample = hand_.read();
@@ -116,7 +116,7 @@ TEST(GuidedHand, ItSawsToTheDepthInItsPlaneAndComesOutAgain) {
     EXPECT_LE(bench.pull, 4.2) << saw << ", N";
     EXPECT_NEAR(bench.frontNow(), 2, 0.1) << saw;
     EXPECT_EQ(bench.hand().report().given_up, 0u) << saw;
-    // A slot of 6 x 2 mm; teeth on an arc leave something of its corners.
+    // A slot of 6 x 2 mm. Teeth on an arc leave part of its corners.
     const double slot = bench.blade().kerf * 6 * 2;
     EXPECT_GE(bench.removed, 0.9 * slot) << saw;
     EXPECT_LE(bench.removed, 1.02 * slot) << saw;

@@ -10,7 +10,7 @@
 namespace kerf::merge_motions_test {
 namespace {
 
-// A quarter of a circle of radius 5 mm, in motions of the length.
+// A quarter of a circle of radius 5 mm, in motions of equal length.
 CutPath arc(std::size_t motions) {
   CutPath path;
   for (std::size_t n = 0; n <= motions; ++n) {
@@ -22,7 +22,7 @@ CutPath arc(std::size_t motions) {
   return path;
 }
 
-// How far a place on the path is from the merged one, at most, mm. Both without turns.
+// Largest distance of a place on the path from the merged path, mm. Both without rotation.
 double farthest(const CutPath& path, const CutPath& merged) {
   double out = 0;
   for (const PathPose& pose : path.poses) {
@@ -77,11 +77,11 @@ TEST(MergeMotions, NeitherCornersNorTurnsBackNorMovesInAirAreLost) {
   EXPECT_EQ(in_air, 1u);
 }
 
-// A turning tool: its far end counts, not its tip.
+// A rotating tool: its far end counts, not its tip.
 TEST(MergeMotions, TheFarEndOfAToolStaysWithinTheTolerance) {
   CutPath path;
   for (int n = 0; n <= 1000; ++n) {
-    // The tip stands; the tool nods, ever faster: the share of the turn is not that of the number.
+    // The tip is fixed and the tool nods at varying speed: the share of the turn differs from the share of the poses.
     const double a = 0.4 * std::sin(0.004 * n);
     path.poses.push_back({0.001 * n, {Eigen::Quaterniond(Eigen::AngleAxisd(a, Vec3d::UnitX())), Vec3d::Zero()}});
   }

@@ -30,7 +30,7 @@ Model ball(double radius, double mm3_per_n) {
 
 Rigid3 upright(const Vec3d& tip) { return {Eigen::Quaterniond::Identity(), tip}; }
 
-// A mouse on an object, in lockstep: what the haptic thread does.
+// A mouse on an object, in lockstep, as on the haptic thread.
 class Desk {
  public:
   Desk(Model model, std::shared_ptr<const BakedObject> object)
@@ -41,7 +41,7 @@ class Desk {
   }
 
   void press(const Vec3d& at, double force, double depth) { press(at, force, depth, -Vec3d::UnitZ(), 0); }
-  /// @param plunge, reach  of the tool, its own frame.
+  /// @param plunge, reach  of the tool, in its frame.
   void press(const Vec3d& at, double force, double depth, const Vec3d& plunge, double reach) {
     ++aim_.stroke;
     aim_.is_pressed = true;
@@ -103,7 +103,7 @@ class Desk {
   MouseAim aim_;
 };
 
-// From the tip to what goes first, mm.
+// From the tip to the foremost point, mm.
 double reachOf(const Tool& tool) {
   double reach = 0;
   const Box3 box = tool.cut->bounds();
@@ -133,7 +133,7 @@ TEST(MouseHand, AHeldButtonStopsAtTheDepthAndNeverPassesIt) {
     }
 }
 
-// Every tool of the rack with its own drive, in what is soft and what is hard.
+// Every tool of the rack with its own drive, in soft and hard tissue.
 TEST(MouseHand, NoToolOfTheRackPassesTheDepth) {
   double worst = -1;
   int reached = 0, runs = 0;
@@ -164,7 +164,7 @@ TEST(MouseHand, NoToolOfTheRackPassesTheDepth) {
   EXPECT_GE(reached, runs / 2) << "they did cut";
 }
 
-// How far the hole goes beyond the tool that went straight down `axis` to `depth`, mm.
+// Largest distance of the hole beyond a tool that went straight down `axis` to `depth`, mm.
 double beyondStraightHole(const Desk& desk, const Tool& tool, const Vec3d& at, double reach, double depth) {
   const BrickField& before = desk.baked().phi0();
   const BrickField after = desk.object().bricks().field();
@@ -185,7 +185,7 @@ double beyondStraightHole(const Desk& desk, const Tool& tool, const Vec3d& at, d
   return out;
 }
 
-// Drag turns the push of a slow tip, and a bur on a soft hand walks round its hole: 0.7 mm in enamel.
+// Drag deflects the push of a slow tip, and a bur on a soft hand walks around its hole: 0.7 mm in enamel.
 TEST(MouseHand, AHeldButtonDrillsAHoleAsWideAsTheBurInAllThatIsHard) {
   const Vec3d at(0.02, 0.03, 0);
   int runs = 0;
@@ -208,7 +208,7 @@ TEST(MouseHand, AHeldButtonDrillsAHoleAsWideAsTheBurInAllThatIsHard) {
       int pressed = 0, ticks = 0;
       desk.run(6, [&] {
         deepest = std::max(deepest, reach - desk.tip()[2]);
-        if (deepest > 1.9) return;  // at the depth it rubs
+        if (deepest > 1.9) return;  // it rubs at the depth limit
         removed = desk.removed;
         work = desk.work;
         if (++ticks < 500) return;
@@ -231,7 +231,7 @@ TEST(MouseHand, AHeldButtonDrillsAHoleAsWideAsTheBurInAllThatIsHard) {
   EXPECT_GT(runs, 20);
 }
 
-// It is a hand all the same: pushed off its place it gives way.
+// It is a compliant hand: pushed off its place, it gives way.
 TEST(MouseHand, TheFingerRestPushesNoHarderThanTwiceTheForce) {
   const auto block = someBlock();
   MouseHand hand(std::shared_ptr<const BrickField>(block, &block->phi0()), upright({0, 0, 1}));
@@ -241,7 +241,7 @@ TEST(MouseHand, TheFingerRestPushesNoHarderThanTwiceTheForce) {
   hand.aim(aim);
   hand.placed(upright({0, 0, 0.3}));
   DeviceSample sample;
-  for (int n = 0; n < 1000; ++n) {  // against a wall 5 mm away from its place
+  for (int n = 0; n < 1000; ++n) {  // against a wall 5 mm from its place
     sample = hand.read();
     hand.write({Vec3d(5 - sample.T_world_device.translation[0], 0, 0), Vec3d::Zero()});
   }
@@ -271,7 +271,7 @@ TEST(MouseHand, AGrooveFollowsTheSurfaceAsItWasLoaded) {
     desk.press({-3, 0, surface(-3)}, 1.5, depth);
     desk.run(3);
     double worst = 0, most_left = 0;
-    // There and back: the second time over what was cut.
+    // Back and forth: the second pass runs over cut tissue.
     for (int n = 0; n <= 120; ++n) {
       const double x = n <= 60 ? -3 + 0.1 * n : 3 - 0.1 * (n - 60);
       desk.point({x, 0, surface(x)});
@@ -326,7 +326,7 @@ TEST(MouseHand, NeitherForceNorSpeedIsEverLarge) {
   bool is_first = true;
   int n = 0;
   desk.run(4, [&] {
-    if (++n % 300 == 0) desk.point({n % 600 == 0 ? -2.0 : 2.0, n % 900 == 0 ? 1.0 : -1.0, 0});  // a wild mouse
+    if (++n % 300 == 0) desk.point({n % 600 == 0 ? -2.0 : 2.0, n % 900 == 0 ? 1.0 : -1.0, 0});  // a fast mouse
     force = std::max(force, desk.out.force.force.norm());
     if (!std::exchange(is_first, false)) way = std::max(way, (desk.tip() - before).norm());
     before = desk.tip();
@@ -335,7 +335,7 @@ TEST(MouseHand, NeitherForceNorSpeedIsEverLarge) {
   EXPECT_LT(way, 0.05);
 }
 
-// Pulled about by a mouse that is everywhere, a saw stays in the plane of its guide.
+// Under a wild mouse, a saw stays in the plane of its guide.
 TEST(MouseHand, AGuideKeepsASawInItsPlane) {
   const auto file = findToolFile("saw-sagittal-10", defaultToolFolders());
   ASSERT_TRUE(file);
@@ -382,7 +382,7 @@ TEST(MouseHand, ReadsWithoutAllocating) {
   }
 }
 
-// ---- Short of what is kept
+// ---- Short of kept structures
 
 // Pulp of that shape, in the frame of the block.
 std::shared_ptr<const Structures> pulp(const std::function<double(const Vec3d&)>& distance, const Box3& box) {
@@ -402,7 +402,7 @@ Box3 boxOf(const Vec3d& low, const Vec3d& high) {
 
 constexpr double kShort = 0.5, kPassed = 0.05;  // mm
 
-// Of a tool to a ball of 1 mm, by points of the ball.
+// Distance of a tool to a ball of 1 mm, by points of the ball.
 double toBall(const Tool& tool, const Rigid3& T_world_tool, const Vec3d& center) {
   constexpr int kPoints = 300;
   const Rigid3 to_tool = T_world_tool.inverse();

@@ -45,7 +45,8 @@ TEST(VirtualHand, FeedHandGoesThePathInItsTime) {
 struct Plunge {
   double rate = 0, spread = 0, load = 0;
 };
-// A ball pressed with constant force into a block, its surface moving at 840 mm/s; from when its equator is in.
+// A ball pressed with constant force into a block, its surface moving at 840 mm/s, measured after its equator has
+// entered.
 Plunge plunge(double force, double voxel) {
   Model model;
   model.tools = {practiceBall(0.5, 840)};
@@ -94,9 +95,9 @@ TEST(VirtualHand, ConstantForceRemovesSteadilyAndInProportion) {
   std::vector<double> loads, rates;
   for (const double force : {0.5, 1.0, 2.0, 3.0}) {
     const Plunge p = plunge(force, 0.1);
-    // Counted where the surface crosses the grid, so windows of a slow cut are a little rough.
+    // The count steps where the surface crosses the grid, so windows of a slow cut are a little rough.
     EXPECT_LT(p.spread, 0.035) << force;
-    // N is 3/2 of the force on a hemisphere whose pressure follows its overlap.
+    // N is 3/2 of the force on a hemisphere with pressure proportional to its overlap.
     EXPECT_NEAR(p.rate / (0.5 * p.load * 840 / 1000), 1, 0.05) << force;
     EXPECT_NEAR(p.load / force, 1.5, 0.1) << force;
     loads.push_back(p.load);
@@ -111,7 +112,7 @@ TEST(VirtualHand, ConstantForceRemovesSteadilyAndInProportion) {
   EXPECT_GT(1 - residual / total, 0.98);
 }
 
-// What a ball of 1 mm removes along a path with two corners, over what it sweeps.
+// Removed volume of a ball of 1 mm along a path with two corners, over its swept volume.
 double shareOfThePlan(double force, double voxel) {
   Model model;
   model.tools = {practiceBall(0.5, 8400)};
@@ -154,15 +155,15 @@ double shareOfThePlan(double force, double voxel) {
 TEST(VirtualHand, APathWithCornersIsCutAsPlannedHoweverHardItIsPushed) {
   for (const double voxel : {0.1, 0.2}) {
     for (const double force : {0.2, 0.5}) EXPECT_NEAR(shareOfThePlan(force, voxel), 1, 0.05) << force;
-    // So fast in what is this soft that a film is left on the walls.
+    // At this speed in such a soft tissue, a film remains on the walls.
     for (const double force : {1.5, 3.0}) EXPECT_NEAR(shareOfThePlan(force, voxel), 1, 0.1) << force;
   }
 }
 
-// A bur of the rack in a block of one tissue, a path, a hand that pushes: what came of it.
+// A bur of the rack in a block of one tissue, a path, a pushing hand: the results.
 struct Pushed {
   bool gave_up = false;
-  double farthest_off = 0;  // mm, of the tip from the straight way
+  double farthest_off = 0;  // mm, of the tip from the straight path
   double stalled_s = 0, fell_to = 1, seconds = 0;
   Rigid3 end;
 };
@@ -205,7 +206,7 @@ Pushed pushAlong(const CutPath& path, const char* tool_id, double force, const R
   return out;
 }
 
-// A bur that comes down on a slope is pushed aside by it, and walks by its own drag.
+// A slope pushes a bur aside as it comes down, and drag makes it walk.
 TEST(VirtualHand, AHandHoldsATurbineOnItsLineOnASlope) {
   for (const double degrees : {20.0, 45.0, 60.0})
     for (const double force : {0.5, 1.0, 2.0}) {
@@ -231,7 +232,7 @@ TEST(VirtualHand, AHandGivesUpWhenItsDriveStallsAgainAndAgain) {
   EXPECT_LT(pushed.seconds, 60);
 }
 
-// The drive is off on the way back, while the tool still overlaps with the wall of its slot.
+// The drive is off on the way back, while the tool still overlaps the wall of its slot.
 TEST(VirtualHand, AToolWhoseDriveIsOffIsDrawnOutOfItsSlot) {
   CutPath path = straight({-3.5, 0, -1.5}, {-1, 0, -1.5}, 1);
   path.poses.push_back({2, {Eigen::Quaterniond::Identity(), {-1, 0, 1}}});
@@ -245,11 +246,11 @@ TEST(VirtualHand, AToolWhoseDriveIsOffIsDrawnOutOfItsSlot) {
 
 // A shallow pocket of 1.5 x 0.7 mm by a bur of the rack.
 struct Pocket {
-  double force = 0;          // N on the tool, mean while something touches it
-  double share = 0;          // of the plan that was removed
-  double removed = 0;        // in all, of the planned volume
+  double force = 0;          // N on the tool, mean during contact
+  double share = 0;          // share of the planned volume that was removed
+  double removed = 0;        // total, relative to the planned volume
   double end = 0, left = 0;  // mm from the end of the path; of the path
-  double least_speed = 1;    // of the drive, once it had come up to that of its load
+  double least_speed = 1;    // of the drive, after it has reached the speed of its load
   double strongest = 0;      // N
   bool gave_up = false;
 };
@@ -349,7 +350,7 @@ TEST(VirtualHand, ATurnOnTheSpotTakesItsTime) {
   EXPECT_NEAR(ticks * kTick, 0.5, 0.01);
 }
 
-// A hand that presses a device on a block which does not give way.
+// A hand that presses a device on a rigid block.
 double worstEnergy(Rendering rendering, double stiffness, const DeviceHand::Options& options) {
   Model model;
   model.tools = {practiceBall(0.5, 0)};

@@ -69,7 +69,7 @@ TEST(ChunkOcclusion, TheFloorOfAHoleIsDarkerTheNarrowerItIs) {
 TEST(ChunkOcclusion, ChangesWithinItsReachAlone) {
   const BrickField whole = plate(0.4);
   OverlayField field(whole);
-  BrickEdit edit{.brick = {3, 0, -2}, .phi = {}};  // a brick from (2.4, 0, -1.6) to (3.1, 0.7, -0.9) is all tissue
+  BrickEdit edit{.brick = {3, 0, -2}, .phi = {}};  // a brick from (2.4, 0, -1.6) to (3.1, 0.7, -0.9) is entirely tissue
   edit.phi.fill(static_cast<float>(-kVoxel));
   const Remesher remesher(whole, {.marching_cubes = {}, .is_parallel = false});
   field.set(edit);

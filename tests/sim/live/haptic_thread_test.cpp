@@ -22,7 +22,7 @@ using namespace std::chrono_literals;
 using test::becomes;
 using test::GuardedDevice;
 
-// In a tissue as soft as caries, so that a light hand is quick.
+// In a tissue as soft as caries, so that a light hand cuts fast.
 Model twoBalls() {
   Model model;
   model.tools = {practiceBall(0.5, 840), practiceBall(0.3, 840)};
@@ -34,7 +34,7 @@ Rigid3 at(double x, double y, double z) { return {Eigen::Quaterniond::Identity()
 std::shared_ptr<const BakedObject> someBlock() { return test::block({6, 4, 2}, 0.1); }
 
 // Dabs side by side into the block's top, each a stroke of `seconds`, with the pedal up in between, and for `rest`
-// seconds after the first half of them.
+// seconds after half of them.
 CutPath dabs(int count, double seconds, double depth, double rest = 0) {
   CutPath path;
   double t = 0;
@@ -97,7 +97,7 @@ TEST(HapticThread, ItsLogReplaysBitForBitAndASubscriberOfTheBricksHasTheField) {
   HapticThread haptic(twoBalls(), {someBlock()}, poseAt(path, 0), test::ordinaryHaptics());
   auto recorder = SessionRecorder::start(file, describe(haptic.session()));
   ASSERT_TRUE(recorder) << recorder.error().message();
-  BrickFeed feed(16);  // small on purpose: it is full now and then
+  BrickFeed feed(16);  // small on purpose: sometimes full
   std::atomic<bool> is_over{false};
   Subscriber subscriber;
   std::thread subscribing([&] { subscriber.run(feed, is_over); });
@@ -154,7 +154,7 @@ TEST(HapticThread, ItsLogReplaysBitForBitAndASubscriberOfTheBricksHasTheField) {
   EXPECT_EQ(again->state_hash, fmt::format("{:016x}", haptic.session().hash()));
 }
 
-// Every stroke takes free bricks of its own for those it changes: all that were there at first are used up.
+// Every stroke takes free bricks for its changes, until the initial bricks are used up.
 TEST(HapticThread, BricksArriveBeforeTheyRunOut) {
   const CutPath path = dabs(140, 0.04, 1.7);
   FeedHand hand(path);
@@ -186,10 +186,10 @@ TEST(HapticThread, CommandsAreDoneInTheirOrderAndRefusedOnesAreCounted) {
   auto recorder = SessionRecorder::start(file, describe(haptic.session()));
   ASSERT_TRUE(recorder);
   ASSERT_TRUE(haptic.start(device, {}, &*recorder));
-  // Under the allocation guard of the device: nothing is printed on that thread, however long its text is.
+  // Under the device's allocation guard: that thread prints nothing, for texts of any length.
   const MoveObject moved{0, {-1.0 / 3, 1e-300, 0.1}, {1, 0, 0, 1e-12}};
   const Command good[] = {SelectTool{0}, SelectTool{1}, ClearLatch{}, AddMaterial{11, 0}, moved, StopAdding{}};
-  // Nothing to undo, no such tool; and what only the simulation may send.
+  // No such tool, and commands that only the simulation may send.
   const Command bad[] = {SelectTool{7}, SplitObject{0}, SplitObject{0, 0.1}, FreezeObject{0}, UnfreezeObject{0}};
   std::vector<std::string> sent;
   std::uint64_t refused = 0;
@@ -221,7 +221,7 @@ TEST(HapticThread, CommandsAreDoneInTheirOrderAndRefusedOnesAreCounted) {
   EXPECT_EQ(done, sent);
 }
 
-// Presses into the block; gives a bad sample when asked to.
+// Presses into the block; gives a bad sample on request.
 class PressingDevice final : public GuardedDevice {
  public:
   DeviceSample read() noexcept override {
@@ -249,7 +249,7 @@ TEST(HapticThread, ABadSampleLatchesUntilItIsCleared) {
   device.is_bad = true;
   EXPECT_TRUE(becomes(haptic, [&](const HapticReport& r) { return r.is_latched; }));
   EXPECT_EQ(device.force, 0);
-  device.is_bad = false;  // the device is back: that alone changes nothing
+  device.is_bad = false;  // the device is back, which alone changes nothing
   const std::uint64_t since = tickOf();
   EXPECT_TRUE(becomes(haptic, [&](const HapticReport& r) { return r.tick > since + 50; }));
   EXPECT_TRUE(haptic.report().is_latched);
@@ -260,7 +260,7 @@ TEST(HapticThread, ABadSampleLatchesUntilItIsCleared) {
   EXPECT_EQ(device.last_force, 0);
 }
 
-// The force is another in every tick while a bur cuts, and what is added to it is told.
+// The force varies in every tick while a bur cuts, and the report has the added vibration.
 TEST(HapticThread, AToolIsFeltToVibrateOnlyWhileItCuts) {
   PressingDevice device;
   device.z = 0.3;
@@ -280,7 +280,7 @@ TEST(HapticThread, AToolIsFeltToVibrateOnlyWhileItCuts) {
   EXPECT_EQ(device.last_force, 0);
 }
 
-// A device whose driver hangs once.
+// A device with a driver that hangs once.
 TEST(HapticThread, AStallIsCountedAndLatches) {
   class Hanging final : public GuardedDevice {
    public:

@@ -18,7 +18,7 @@ constexpr double kVoxel = 0.1;
 
 Rigid3 at(double x, double z) { return {Eigen::Quaterniond::Identity(), Vec3d(x, 0, z)}; }
 
-// A block with its top at z = 0, a ball and a larger one.
+// A block with its top at z = 0, a small ball and a larger one.
 struct Scene {
   LoadedObjects objects{block({3, 3, 2}, kVoxel)};
   Model model;

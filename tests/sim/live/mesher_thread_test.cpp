@@ -108,7 +108,7 @@ MesherThreadOptions onOneThread() {
   return options;
 }
 
-// A producer as the 1 kHz thread is: what does not fit stays pending and goes out later with the values of then.
+// A producer like the 1 kHz thread: changes that do not fit stay pending and go out later with their current values.
 struct Producer {
   OverlayField& field;
   BrickFeed& feed;
@@ -130,7 +130,7 @@ TEST(MesherThread, ReaderOfAKilohertzOfCarvesEndsWithTheMeshOfTheWholeField) {
   const double r = 1.5;
   const BrickField phi0 = ballWithAHole(r, 0.1);
   OverlayField truth(phi0);
-  BrickFeed feed(32);  // small on purpose: it is full now and then
+  BrickFeed feed(32);  // small on purpose: sometimes full
   MesherThread mesher(phi0, feed, onOneThread());
   std::atomic<bool> is_done{false};
   std::uint64_t pushed = 0;
@@ -154,7 +154,7 @@ TEST(MesherThread, ReaderOfAKilohertzOfCarvesEndsWithTheMeshOfTheWholeField) {
   while (!is_done) {
     const auto fresh = mesher.take();
     replace(mine, fresh);
-    if (!fresh.empty() && takes++ % 16 == 0) {  // what a reader has is closed at any moment
+    if (!fresh.empty() && takes++ % 16 == 0) {  // the reader's mesh is closed at any moment
       expectClosedManifold(weldedMesh(chunksOf(mine)));
       ++states;
     }
@@ -205,7 +205,7 @@ TEST(MesherThread, MayBeDestroyedBeforeAnybodyReads) {
   for (int n = 0; n < 5; ++n) MesherThread mesher(phi0, feed, onOneThread());
 }
 
-// What is pushed while the thread sleeps, and asked for before it wakes, has to be in the answer.
+// Changes pushed while the thread sleeps, and requested before it wakes, must be in the answer.
 TEST(MesherThread, WhatWasPushedBeforeTheChangesAreAskedForIsInThem) {
   const BrickField phi0 = ballWithAHole(1, 0.1);
   BrickFeed feed(4096);
@@ -214,7 +214,7 @@ TEST(MesherThread, WhatWasPushedBeforeTheChangesAreAskedForIsInThem) {
   MesherThread mesher(phi0, feed, options);
   OverlayField field(phi0);
   for (int k = 0; k < 4; ++k) {
-    ASSERT_TRUE(mesher.changedField());  // and it goes to sleep, or drains nothing once more
+    ASSERT_TRUE(mesher.changedField());  // and it goes to sleep, or drains an empty feed once more
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
     std::size_t pushed = 0;
     for (const BrickEdit& edit : carve(field, {std::cos(1.5 * k), std::sin(1.5 * k), 0}, 0.15)) {

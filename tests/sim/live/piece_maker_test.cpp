@@ -40,7 +40,7 @@ Model ball() {
 
 std::shared_ptr<const BakedObject> bar() { return test::block({6, 2, 1}, 0.1); }
 
-// A person who saws through a bar at one place after the other, and waits in between to be told to go on.
+// A person who saws through a bar at one place after another, and waits for next() in between.
 class Sawyer final : public DeviceSource {
  public:
   explicit Sawyer(std::vector<double> places) : places_(std::move(places)) {}
@@ -68,7 +68,7 @@ class Sawyer final : public DeviceSource {
   int tick_ = 0;
 };
 
-// Draws, so to say: is told of each piece, and takes its changed bricks.
+// Acts as a renderer: receives each piece and takes its changed bricks.
 class Audience {
  public:
   void add(std::shared_ptr<const PieceOrigin> origin, std::shared_ptr<BrickFeed> feed) {
@@ -113,7 +113,7 @@ class Audience {
   std::map<std::uint32_t, Seen> seen_;
 };
 
-// Two objects' values and materials, whatever holds them.
+// Compares values and materials of two objects, independent of their storage.
 std::uint64_t volumesOf(const std::vector<CutObject>& objects) {
   std::uint64_t nodes = 0;
   for (const CutObject& object : objects)
@@ -158,23 +158,23 @@ TEST(PieceMaker, WhatIsSeveredOnTheThreadIsCutMovedTakenBackAndReplayedBitForBit
   };
   saw();
   EXPECT_TRUE(holds([](const HapticReport& r) { return r.object_count == 2; }));
-  // Numbers are places in the scene; ids stay.
+  // Numbers are positions in the scene. Ids persist.
   EXPECT_EQ(haptic.report().objects[0].id, 1u);
   EXPECT_EQ(haptic.report().objects[1].id, 2u);
   send(MoveObject{1, {0, 0.05, 0}, {1, 0, 0, 0}});
   EXPECT_EQ(haptic.report().objects[1].T_world_object.translation[1], 0.05);
   saw();  // the larger one, which is object 0
   EXPECT_TRUE(holds([](const HapticReport& r) { return r.object_count == 3; }));
-  saw();  // the one that was moved leaves a crumb or a piece
+  saw();  // the moved piece loses a crumb or a piece
   EXPECT_TRUE(holds([](const HapticReport& r) { return r.counts.pieces.splits + r.counts.pieces.crumbs >= 3; }));
   send(Undo{});
-  send(Undo{});  // the second cut, and the split with it
+  send(Undo{});  // undoes the second cut, and its split
   EXPECT_TRUE(holds([](const HapticReport& r) { return r.object_count == 2; }));
   EXPECT_EQ(haptic.report().objects[0].id, 1u);
   send(Redo{});
   EXPECT_TRUE(holds([](const HapticReport& r) { return r.object_count == 3; }));
   send(Undo{});
-  saw();  // another one instead: what was to be redone is gone, and its subscriber
+  saw();  // a new cut instead: the redo list and its subscriber are gone
   EXPECT_TRUE(holds([](const HapticReport& r) { return r.counts.pieces.splits + r.counts.pieces.crumbs >= 4; }));
   haptic.stop();
   audience.drain();
@@ -186,7 +186,7 @@ TEST(PieceMaker, WhatIsSeveredOnTheThreadIsCutMovedTakenBackAndReplayedBitForBit
   EXPECT_GE(report.counts.pieces.splits, 3u);
   EXPECT_GE(report.counts.pieces.crumbs, 1u);
   EXPECT_EQ(report.counts.pieces.crumbs, haptic.session().crumbs().count);
-  // An object that loses crumbs alone is frozen, too: neither time bounds the other.
+  // An object that only loses crumbs is also frozen, so neither time bounds the other.
   EXPECT_GT(report.counts.pieces.longest_split_ms, 0);
   EXPECT_GT(report.counts.pieces.longest_freeze_ms, 0);
   const std::vector<CutObject>& objects = haptic.session().state().objects;
@@ -241,7 +241,7 @@ TEST(PieceMaker, AFrozenObjectIsFeltAndNotCutAndNothingIsTakenBack) {
   EXPECT_EQ(press(0.1, 10), 0);
   EXPECT_EQ(session.state().objects[0].stateHash(), before) << "nor filled";
   ASSERT_TRUE(session.apply(StopAdding{}));
-  // A snapshot remembers.
+  // A snapshot keeps it.
   const auto bytes = packState(session.state(), {session.state().objects[0].bricks().sharedBaked()});
   const auto again = unpackState(bytes, {session.state().objects[0].bricks().sharedBaked()}, "here");
   ASSERT_TRUE(again);
@@ -286,7 +286,7 @@ TEST(PieceMaker, TwoObjectsThatComeApartTogetherBothDo) {
   GuardedDevice device(&sawyer);
   HapticOptions options = test::ordinaryHaptics();
   options.pieces.is_parallel = kParallel;
-  // One in the other: the same cut severs both in the same tick.
+  // Both at the same place: the same cut severs both in the same tick.
   HapticThread haptic(ball(), {block, block}, {Eigen::Quaterniond::Identity(), {0, -1.8, 3}}, options);
   ASSERT_TRUE(haptic.start(device, {}, nullptr));
   sawyer.next();
@@ -297,7 +297,7 @@ TEST(PieceMaker, TwoObjectsThatComeApartTogetherBothDo) {
 
 TEST(PieceMaker, StopsInTheMiddleOfASplitWithTheObjectAsItIsAndReplaysThat) {
   const TemporaryFolder folder;
-  for (const int wait_ms : {0, 20}) {  // until the pieces are ready: before the stop, perhaps, and after it
+  for (const int wait_ms : {0, 20}) {  // until the pieces are ready, possibly before the stop and after it
     const auto file = folder.path() / fmt::format("{}.kerflog", wait_ms);
     Sawyer sawyer({0.3});
     GuardedDevice device(&sawyer);
@@ -316,7 +316,7 @@ TEST(PieceMaker, StopsInTheMiddleOfASplitWithTheObjectAsItIsAndReplaysThat) {
     ASSERT_TRUE(haptic.start(device, {}, &*recorder));
     sawyer.next();
     EXPECT_TRUE(becomes(haptic, [&](const HapticReport& r) { return is_asked && (r.output.status & kStepFrozen); }));
-    // Commands wait meanwhile.
+    // Commands wait during the split.
     EXPECT_TRUE(haptic.send(SelectTool{0}));
     const std::uint64_t since = haptic.report().tick;
     EXPECT_TRUE(becomes(haptic, [&](const HapticReport& r) { return r.tick > since + 50; }));
@@ -338,12 +338,12 @@ TEST(PieceMaker, StopsInTheMiddleOfASplitWithTheObjectAsItIsAndReplaysThat) {
   }
 }
 
-// What a subscriber saw and what a replay finds must give the same pieces, though another one's inside is air for this.
+// The subscriber and a replay must get the same pieces, although the inside of another piece is air for this one.
 TEST(PieceMaker, MaterialAddedWhereAnotherPieceWasAndTakenBackLeavesNoTrace) {
   const auto object = test::block({12, 6, 6}, 0.1);  // large enough to have bricks wholly inside
   const BrickField& phi0 = object->phi0();
   ASSERT_FALSE(phi0.interiorBricks().empty());
-  // The half of it below x = 0, and a layer of air.
+  // The half below x = 0, and a layer of air.
   std::vector<Vec3i> bricks;
   std::vector<BrickEdit> own;
   const auto valuesOf = [&](const Vec3i& c) {

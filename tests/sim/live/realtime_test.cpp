@@ -31,7 +31,7 @@ TEST(RealTime, APriorityThatDoesNotExistIsRefusedInWords) {
   EXPECT_NE(grant.refusals[0].message().find("from 1 to 99"), std::string::npos) << grant.refusals[0].message();
 }
 
-// Whatever is granted is given back, so that the next test runs as an ordinary thread.
+// Returns all grants, so that the next test runs as an ordinary thread.
 TEST(RealTime, EverythingAskedForIsGrantedOrRefusedWithAHint) {
   std::thread([] {
     const RealTimeGrant grant = askForRealTime();
@@ -41,7 +41,7 @@ TEST(RealTime, EverythingAskedForIsGrantedOrRefusedWithAHint) {
   }).join();
 }
 
-// In a process of its own, which gives up its privileges first.
+// In a separate process, which first gives up its privileges.
 TEST(RealTime, WithoutPermissionItSaysWhichLimitToRaise) {
   const pid_t child = ::fork();
   ASSERT_GE(child, 0);

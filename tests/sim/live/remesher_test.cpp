@@ -20,7 +20,7 @@ using scenes::carveAtRandom;
 
 using Soup = std::vector<std::array<std::array<float, 3>, 3>>;
 
-// The triangles by their corners, each begun at its smallest corner and kept its way round, sorted.
+// The triangles as corners, each starting at its smallest corner in its original orientation, sorted.
 template <class CornerOf>
 void addTriangle(Soup& soup, const CornerOf& corner) {
   std::array<std::array<float, 3>, 3> t{corner(0), corner(1), corner(2)};
@@ -39,7 +39,7 @@ Soup soupOf(const Mesh& mesh) {
 }
 Soup soupOf(const std::vector<MeshChunkPtr>& chunks) { return soupOf(weldedMesh(chunks)); }
 
-// A reader that never sees anything but what changed.
+// A reader that sees only changes.
 struct Subscriber {
   std::map<std::array<int, 3>, MeshChunkPtr> chunks;
   std::uint64_t version = 0;
@@ -96,7 +96,7 @@ TEST(Remesher, EveryCarveLeavesTheTrianglesOfMarchingCubesOfTheWholeField) {
 }
 
 TEST(Remesher, AnySingleNodeThatChangesMakesTheSameMeshAsFromScratch) {
-  // Noise around zero, where the correction of one node moves the vertices of its neighbours' neighbours.
+  // Noise around zero, where the correction of one node moves the vertices of second neighbours.
   std::mt19937 random(5);
   std::uniform_real_distribution<float> value(-0.15f, 0.15f);
   BrickField phi0(0.1, 0.4f);
@@ -107,7 +107,7 @@ TEST(Remesher, AnySingleNodeThatChangesMakesTheSameMeshAsFromScratch) {
   OverlayField truth(phi0);
   Remesher remesher(phi0);
   std::vector<MeshChunkPtr> before = remesher.changedSince(0);
-  // Corners, edges and faces of the brick in the middle, and of those at the rim, whose cells reach missing bricks.
+  // Corners, edges and faces of the middle brick, and of the rim bricks, whose cells reach missing bricks.
   for (const int bx : {0, 1, 2})
     for (const int i : {0, 1, 4, 6, 7})
       for (const int j : {0, 3, 7})
@@ -121,7 +121,7 @@ TEST(Remesher, AnySingleNodeThatChangesMakesTheSameMeshAsFromScratch) {
           remesher.apply(std::span(&edit, 1));
           const BrickField whole = truth.flattened();
           const Remesher fresh(whole);
-          // Normals too: they read farther than positions do.
+          // Normals too: they read farther than positions.
           const auto a = remesher.changedSince(0), b = fresh.changedSince(0);
           std::map<std::uint64_t, MeshChunkPtr> by_brick;
           for (const auto& c : a)
@@ -146,7 +146,7 @@ TEST(Remesher, TenThousandCarvesEndWhereARebuildBegins) {
   std::mt19937 random(2);
   for (int n = 0; n < 10'000; ++n) {
     remesher.apply(carveAtRandom(truth, r, random));
-    if (n % 97 == 0) reader.read(remesher);  // often enough for the log to be compacted in between
+    if (n % 97 == 0) reader.read(remesher);  // often enough that the log is compacted in between
   }
   reader.read(remesher);
   const Mesh whole = marchingCubes(truth.flattened());

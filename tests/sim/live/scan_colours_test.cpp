@@ -28,7 +28,7 @@ BrickField block(double voxel) {
       {{-3, -3, -4}, {3, 3, 0}}, voxel);
 }
 
-/// The same as it was scanned: with triangles of its own, rose at x < 0, ivory elsewhere.
+/// The same block as a scan: its own triangles, rose at x < 0, ivory elsewhere.
 enum class Per { kVertex, kFace };
 Mesh scanned(Per per) {
   Mesh mesh = marchingCubes(block(0.07));
@@ -41,7 +41,7 @@ Mesh scanned(Per per) {
   return mesh;
 }
 
-/// On a side of the block, apart from its edges, which voxels round off.
+/// On a side of the block, away from its edges, which voxels round off.
 bool isOnASide(const Vec3d& p) {
   const Vec3d from_edge = (Vec3d(3, 3, 2) - (p - Vec3d(0, 0, -2)).cwiseAbs()).cwiseAbs();
   return (from_edge.array() < 0.15).count() < 2;
@@ -53,7 +53,7 @@ bool isNear(const Rgba8& a, const Rgba8& b, int most = 2) {
   return true;
 }
 
-/// Of all vertices after what `edit` does to the block, whose tissue is of one colour.
+/// Colours of all vertices after `edit` on the block, whose tissue has one colour.
 using Check = std::function<void(const Vec3d& p, const Rgba8& colour)>;
 void forEach(const ScanColours& scan, const std::function<std::vector<BrickEdit>(OverlayField&)>& edit,
              const Check& check) {

@@ -17,12 +17,12 @@ using test::sampleAt;
 
 Rigid3 at(double x, double z) { return {Eigen::Quaterniond::Identity(), Vec3d(x, 0, z)}; }
 
-// A block with its top at z = 0, a ball, and who counts its peaks. What is kept lies 1 mm below the top.
+// A block with its top at z = 0, a ball, and a counter of its peaks. The kept structure lies 1 mm below the top.
 class Person {
  public:
   Person() : session_(model(), {block({4, 3, 2}, 0.1)}, at(0, 1)) {}
 
-  // Down to a depth at x, and out again; in air if that is negative.
+  // Down to a depth at x, and out again; in air if the depth is negative.
   void stroke(double x, double depth) {
     const int steps = static_cast<int>(1000 * (depth + 0.2));
     for (int n = 0; n < 250; ++n) tick(at(x, 2.7 - 0.01 * n), 0);

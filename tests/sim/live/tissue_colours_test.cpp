@@ -26,7 +26,7 @@ MaterialProperties row(Material material, const Rgba8& color) {
 const TissuePalette kPalette(MaterialTable({row(Material::kEnamel, kWhite), row(Material::kDentin, kYellow),
                                             row(Material::kPulp, kRed)}));
 
-/// A block of 6 x 6 x 4 mm, its top at z = 0, made of what `material` says of a place.
+/// A block of 6 x 6 x 4 mm, its top at z = 0, with the material of each place from `material`.
 class Block {
  public:
   explicit Block(const std::function<Material(const Vec3d&)>& material)
@@ -92,7 +92,7 @@ TEST(TissueColours, AreThoseOfTheTable) {
 
 TEST(TissueColours, TurnIntoEachOtherOverTwoVoxelsAndNotInStairs) {
   int between = 0;
-  // A slanting border on the top side: stairs would show as pure colours on the wrong side of it.
+  // A slanting border on the top side. Stairs would show as pure colours on the wrong side.
   const auto side = [](const Vec3d& p) { return p[0] - 0.37 * p[1] - 0.013; };
   Block([&](const Vec3d& p) {
     return side(p) < 0 ? Material::kDentin : Material::kPulp;
@@ -138,7 +138,7 @@ TEST(TissueColours, ACutFaceHasTheColourOfItsTissueAShadeDarkerAndIsMatte) {
     };
     if (p.norm() > 1.6 && n[2] > 0.99) {
       EXPECT_GT(colour[3], 200);
-    }  // sound enamel shines
+    }  // sound enamel is glossy
     if (std::abs(p.norm() - 1.5) > 0.05 || p[2] > -0.3) return;
     EXPECT_LT(colour[3], 100);
     if (p[2] > -0.6) enamel += isNear(colour, shade(kWhite), 3);

@@ -22,7 +22,7 @@ MaterialProperties row(Material material, const Rgba8& color) {
 }
 const TissuePalette kPalette(MaterialTable({row(Material::kEnamel, kWhite), row(Material::kPulp, kRed)}));
 
-/// A ball of 2 mm radius of enamel; within 1 mm of its middle, pulp. Nothing outside has a label.
+/// A ball of enamel of 2 mm radius with pulp within 1 mm of its middle. Outside there is no label.
 class Ball {
  public:
   Ball() : phi0_(sampleDistance([](const Vec3d& p) { return p.norm() - 2; }, {{-2, -2, -2}, {2, 2, 2}}, kVoxel)) {

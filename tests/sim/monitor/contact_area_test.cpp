@@ -27,7 +27,7 @@ Tool toolOfRack(const char* id) {
 ContactArea areaOf(const ToolModel& tool, const Vec3d& flank = Vec3d::Zero()) {
   return ContactArea(tool, ToolSamples(tool.cut, kSamples), flank);
 }
-// The mean of a whole turn.
+// The mean of a full turn.
 double areaAt(ContactArea& area, const std::vector<CutObject>& objects, const Rigid3& pose, std::uint64_t touched = 1) {
   double sum = 0;
   for (int n = 0; n < ContactArea::kTurn; ++n) sum += area.read(objects, touched, pose).area;
@@ -35,7 +35,7 @@ double areaAt(ContactArea& area, const std::vector<CutObject>& objects, const Ri
 }
 Rigid3 at(double x, double y, double z) { return {Eigen::Quaterniond::Identity(), Vec3d(x, y, z)}; }
 
-// A block with a round groove that the ball of that radius fits: depth of its lowest point.
+// A block with a round groove for a ball of that radius: depth of its lowest point.
 std::shared_ptr<const BakedObject> blockWithPrint(double radius, double depth, double voxel) {
   Box3 box;
   box.add(Vec3d(-3, -3, -3));
@@ -57,7 +57,7 @@ TEST(ContactArea, AreasOfTheSamplesSumToTheSurface) {
   }
 }
 
-// The neck hides a part of the head; teeth have a front, kerf wide.
+// The neck hides a part of the head; teeth have a front as wide as the kerf.
 TEST(ContactArea, WhatTheBodyHidesAndFlanksDoNotCount) {
   const Tool bur = toolOfRack("round-014");
   const double head = 4 * std::numbers::pi * 0.49, hidden = std::numbers::pi * 0.16;
@@ -69,7 +69,7 @@ TEST(ContactArea, WhatTheBodyHidesAndFlanksDoNotCount) {
   EXPECT_NEAR(teeth.whole() / (saw.kerfWidth() * length), 1, 0.1);
 }
 
-// Of a ball in its own print, the zone below the surface: 2 pi r depth, and as much above it as is still close.
+// A ball in its own print: the zone below the surface, 2 pi r depth, plus an equal zone above it that is still close.
 TEST(ContactArea, ABallInItsPrintTouchesTheZoneBelowTheSurface) {
   constexpr double kRadius = 0.8;
   for (const double voxel : {0.1, 0.05})
@@ -84,7 +84,7 @@ TEST(ContactArea, ABallInItsPrintTouchesTheZoneBelowTheSurface) {
     }
 }
 
-// What a penalty lets overlap and a constraint does not.
+// A penalty lets the tool overlap; a constraint does not.
 TEST(ContactArea, OverlapChangesItLittle) {
   constexpr double kRadius = 0.8, kDepth = 0.6;
   std::vector<CutObject> objects;
@@ -95,7 +95,8 @@ TEST(ContactArea, OverlapChangesItLittle) {
   EXPECT_NEAR(by_penalty / by_constraint, 1, 0.1);
 }
 
-// Just begun, a print is as shallow as the overlap: without it the tool stands as high by any response.
+// At the start, a print is as shallow as the overlap. Without the overlap the tool stands equally high with any
+// response.
 TEST(ContactArea, HeatEntersThroughTheSameAreaWhateverTheResponseOverlaps) {
   for (const double radius : {0.25, 0.4, 1.15})
     for (const double depth : {0.05, 0.2}) {

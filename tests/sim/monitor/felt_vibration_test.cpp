@@ -24,7 +24,7 @@ FeltSource spinning(Kind kind, double rpm) {
   return {kind, 1 / (2 * std::numbers::pi), rpm * kRadPerSecond, {1, 0, 0}};
 }
 
-// What is felt once the start is over.
+// Felt vibration after the start phase.
 std::vector<double> steady(const FeltSource& source, double speed_share, double load, Material material,
                            double rate = 1000, double seconds = 20) {
   FeltVibration vibration(source, rate);
@@ -47,7 +47,7 @@ double largest(const std::vector<double>& x) {
   return most;
 }
 
-// Power between two frequencies, of all: by the samples' Fourier transform in pieces of a second.
+// Share of the power between two frequencies, by Fourier transform of pieces of a second.
 double shareBetween(const std::vector<double>& x, double rate, double low, double high) {
   const auto size = static_cast<std::size_t>(rate);
   double inside = 0, all = 0;

@@ -1,4 +1,4 @@
-// Burs pressed into enamel and dentin: the surface warms as measured, whatever the bur's size.
+// Burs pressed into enamel and dentin: the surface warms as measured, for every bur size.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -25,7 +25,7 @@ Block blockOf(Material material) {
   return *block;
 }
 
-// Means from a moment on, K. The spray is as warm as the body: what was measured is the rise by the cut alone.
+// Means from a moment on, K. The spray is at body temperature: measurements give the rise by the cut alone.
 struct Warmth {
   double dry = 0, wet = 0;
   double watts = 0, area = 0;  // of the drive; mm^2
@@ -83,12 +83,12 @@ struct Bur {
 constexpr Bur kBurs[] = {{"round-005", false}, {"us-330", false},    {"801-010", true},
                          {"round-010", false}, {"round-023", false}, {"801-023", true}};
 constexpr Material kTissues[] = {Material::kEnamel, Material::kDentin};
-// What carbide warms over what diamond does: 0.68 to 0.81 on teeth under spray (IADR 2002, San Diego 18318), 0.30 and
-// 0.33 in fillings, dry (Mafrici et al. 2024, doi 10.2341/23-033-L).
+// Carbide warms less than diamond: by a factor of 0.68 to 0.81 on teeth under spray (IADR 2002, San Diego 18318), 0.30
+// and 0.33 in fillings, dry (Mafrici et al. 2024, doi 10.2341/23-033-L).
 constexpr double kLeastRatio = 0.30, kMostRatio = 0.81;
 
-// Diamond at 1 N: 50 to 115 K dry after a second of 5 W, of which a ball that is pushed straight down spends half or
-// more; 3 to 17 K wet (IADR 2002: 4.0 to 16.8 K). More or less force warms at most in proportion.
+// Diamond at 1 N: 50 to 115 K dry after a second of 5 W, of which a ball pushed straight down spends half or more; 3 to
+// 17 K wet (IADR 2002: 4.0 to 16.8 K). The rise is at most proportional to the force.
 TEST(HeatOfBurs, OfEachSizeAndKindWarmTheSurfaceAsMeasured) {
   for (const Material material : kTissues) {
     const Block block = blockOf(material);

@@ -13,7 +13,7 @@
 namespace kerf::heat_test {
 namespace {
 
-// All of the power goes in, and nothing leaves but into the tissue.
+// All power enters the tissue, and the only loss is into the tissue.
 constexpr HeatSettings kNoLosses{.spray_share = 1, .air_film = 0, .coolant_rise = 0, .boiling_rise = 1e9};
 HeatSource allOfIt(double spray_film = 0) {
   HeatSource source;
@@ -34,7 +34,7 @@ void run(Heat& heat, const HeatInput& in, double seconds) {
   const auto ticks = static_cast<int>(std::lround(seconds / kTick));
   for (int n = 0; n < ticks; ++n) heat.step(in);
 }
-// What conducts heat away from a disc, mW/K: the two terms of the law.
+// Conductance of a disc, mW/K: the two terms of the law.
 double intoTissue(double area, double dwell, Material material) {
   const ThermalProperties& tissue = thermalProperties(material);
   const double radius = std::sqrt(area / std::numbers::pi);
@@ -43,7 +43,7 @@ double intoTissue(double area, double dwell, Material material) {
 }
 constexpr Material kTissues[] = {Material::kEnamel, Material::kDentin, Material::kCortical, Material::kCancellous};
 
-// 2 q sqrt(t / pi) / e: Carslaw & Jaeger's surface under constant flux. A contact so wide has no sides.
+// 2 q sqrt(t / pi) / e: Carslaw & Jaeger's surface under constant flux. A contact this wide has no sides.
 TEST(Heat, AWideContactFollowsTheSemiInfiniteSolid) {
   constexpr double kFlux = 3, kArea = 1e8;
   for (const Material material : kTissues) {
@@ -149,7 +149,7 @@ TEST(Heat, PowerCountsByItsMeanOverAFifthOfASecond) {
   EXPECT_NEAR(pulsed.surfaceRise() / steady.surfaceRise(), 1, 0.01);
 }
 
-// Superposition: what a second of constant flux leaves three seconds later is sqrt(4) - sqrt(3) of it.
+// Superposition: three seconds after the end, a second of constant flux leaves sqrt(4) - sqrt(3) of it.
 TEST(Heat, ItCoolsWhenTheToolLeaves) {
   Heat heat(allOfIt(), kNoLosses);
   run(heat, touching(5e6, 1e6, Material::kDentin), 1);
@@ -197,7 +197,7 @@ TEST(Heat, DepthBelowASteadySourceFollowsTheFormula) {
       const double t = n * kTick;
       for (const double r : {0.8, 1.5, 2.5, 4.0}) {
         const double x = r / std::sqrt(4 * tissue.diffusivity() * t);
-        if (x > 2) continue;  // next to nothing has come so far
+        if (x > 2) continue;  // hardly any heat has come so far
         const double exact = 100 / (2 * std::numbers::pi * tissue.conductivity * r) * std::erfc(x);
         EXPECT_NEAR(heat.riseAt({0, 0, -r}) / exact, 1, 0.02) << t << " s, " << r << " mm";
         EXPECT_NEAR(heat.riseBelow(r), heat.riseAt({r, 0, 0}), 1e-9);
@@ -210,7 +210,7 @@ TEST(Heat, DepthBelowAWanderingToolIsTheSumOfItsSpots) {
   const ThermalProperties& tissue = thermalProperties(Material::kDentin);
   const auto placeAt = [](double t) { return Vec3d(3 * std::sin(0.5 * t), std::fmod(t, 4.0) < 2 ? 0.0 : 2.0, 0); };
   HeatPulses some;
-  std::vector<std::pair<double, Vec3d>> all;  // each of a millijoule
+  std::vector<std::pair<double, Vec3d>> all;  // of a millijoule each
   for (int n = 0; n < 900; ++n) {
     const double t = 0.1 * n + 0.05;
     some.add(1, placeAt(t), t, tissue);

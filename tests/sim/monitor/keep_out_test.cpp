@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::array kPulp = {Material::kPulp};
 
-// A structure by itself: an object all of pulp.
+// A structure alone: an object entirely of pulp.
 std::shared_ptr<const BakedObject> pulp(const std::function<double(const Vec3d&)>& distance, const Box3& box,
                                         double voxel) {
   auto baked = bakedFrom(distance, box, voxel, Material::kPulp);
@@ -29,7 +29,7 @@ std::shared_ptr<const BakedObject> pulpBall(double radius, double voxel, const V
   box.grow(radius);
   return pulp([=](const Vec3d& p) { return (p - center).norm() - radius; }, box, voxel);
 }
-// A canal along an axis, 0.6 mm about, its ends round.
+// A canal along an axis, 0.6 mm wide, with round ends.
 double capsule(const Vec3d& p, const Vec3d& from, const Vec3d& to, double radius) {
   const double s = std::clamp((p - from).dot(to - from) / (to - from).squaredNorm(), 0.0, 1.0);
   return (p - from - s * (to - from)).norm() - radius;
@@ -39,7 +39,7 @@ std::shared_ptr<const KeepOut> keepOut(const BakedObject& object, const KeepOutO
   EXPECT_TRUE(made) << made.error().message();
   return *made;
 }
-// The same points everywhere: Halton's sequence.
+// The same points on every machine: Halton's sequence.
 double halton(int n, int base) {
   double f = 1, x = 0;
   for (; n > 0; n /= base) {
@@ -66,7 +66,7 @@ TEST(KeepOut, DistanceToASmallBallIsRightToHalfAVoxelOrSo) {
       const double exact = std::clamp((p - center).norm() - 1, -0.5, 3.0);
       worst = std::max(worst, std::abs(static_cast<double>(field->distance(p.cast<float>())) - exact));
     }
-    // Half a voxel, and what a ball this small bends away beside the column of nodes that shows it.
+    // Half a voxel, plus the curvature of such a small ball beside its column of nodes.
     EXPECT_LE(worst, 0.55 * voxel) << voxel;
   }
 }
@@ -90,12 +90,12 @@ TEST(KeepOut, DistanceToACanalIsRightToHalfAVoxel) {
   EXPECT_LE(worst, 0.05);
 }
 
-// A ball's distance to a ball, and a ball's to a canal: known exactly.
+// Distance of a ball to a ball, and of a ball to a canal: known exactly.
 TEST(KeepOut, ToolsDistanceIsRightToHalfAVoxelAndItsSampling) {
   const double voxel = 0.1, r = 0.7;
   const ToolModel tool = practiceBall(r, 1);
   const ToolSamples samples(tool.cut);
-  // Between samples a ball's surface is nearer to something flat by its sagitta.
+  // Between samples, a ball's surface is nearer to a flat object by its sagitta.
   const double sagitta = samples.spacing() * samples.spacing() / (2 * r);
   EXPECT_LT(samples.spacing(), 0.25);
 

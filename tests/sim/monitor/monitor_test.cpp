@@ -24,11 +24,11 @@ Rigid3 at(double x, double y, double z, const Eigen::Quaterniond& turn = Eigen::
   return {turn, Vec3d(x, y, z)};
 }
 
-// A tooth of 6 x 5 x 4 mm with its top at z = 0, and its neighbours 2 mm away on both sides: one of them turned, one of
-// other voxels.
+// A tooth of 6 x 5 x 4 mm with its top at z = 0, and neighbours 2 mm away on both sides: one turned, one of another
+// voxel size.
 struct Row {
   LoadedObjects objects;
-  std::array<Vec3d, 3> middle, half;  // of the boxes, each in a frame of its own
+  std::array<Vec3d, 3> middle, half;  // of the boxes, each in its own frame
   std::array<Rigid3, 3> pose;         // of those frames
 
   Row() {
@@ -43,7 +43,7 @@ struct Row {
     const std::array voxels{kVoxel, kVoxel, 0.14};
     for (std::size_t n = 0; n < 3; ++n) objects.push_back(block(size, voxels[n], pose[n]));
   }
-  // Of a point, mm, to box n, which `moved` has moved since it was loaded.
+  // Distance of a point, mm, to box n, which `moved` has moved since loading.
   double distance(std::size_t n, const Vec3d& p, const Rigid3& moved = {}) const {
     const Vec3d q = ((moved * pose[n]).inverse() * p - middle[n]).cwiseAbs() - half[n];
     return q.cwiseMax(0).norm() + std::min(0.0, q.maxCoeff());
@@ -59,8 +59,8 @@ Model modelOf(const LoadedObjects& objects) {
   return model;
 }
 
-// What a ball at the tip is from box n, and how well a monitor may know it: half a voxel of field, what lies between
-// two of its points on the ball, and a field's corners between its nodes.
+// Distance of a ball at the tip to box n, and the error bound of a monitor: half a voxel of field, the gap between two
+// of its points on the ball, and a field's corners between its nodes.
 struct Bound {
   double low, high;
 };
@@ -83,7 +83,7 @@ TEST(Monitor, NeighboursDistanceIsRightToHalfAVoxelWhileTheToolPassesBetweenThem
   std::array<double, 3> least{1e9, 1e9, 1e9};
   int near = 0;
 
-  // Through the air above all three and down on both sides of the one in the middle.
+  // Through the air above all three and down on both sides of the middle one.
   for (int n = 0; n < 4000; ++n) {
     const double a = 2 * std::numbers::pi * n / 4000;
     const DeviceSample sample = sampleAt(at(5.2 * std::cos(a), 2 * std::sin(2 * a), 2.2 + 2 * std::cos(3 * a)), 0);
@@ -131,7 +131,7 @@ TEST(Monitor, ANeighbourThatIsMovedIsFollowed) {
   EXPECT_GT(monitor->structures()[0].distance, monitor->structures()[0].least + 1);
 }
 
-// In the band of the baked field there is no half voxel: what decides whether a tooth was touched.
+// In the band of the baked field the error of half a voxel vanishes: this decides whether a tooth was touched.
 TEST(Monitor, NearItsSurfaceANeighboursDistanceIsExactToATwentiethOfAVoxel) {
   const Row row;
   auto field = KeepOut::ofSolid(*row.objects[2]);
@@ -177,14 +177,14 @@ TEST(Monitor, ANickedNeighbourIsNoFartherAwayAndWhatItLostIsCounted) {
   const double deepest = nicked.least;
   EXPECT_EQ(deepest, nicked.distance);
   const std::uint64_t ticks = nicked.ticks_in;
-  for (int n = 0; n < 1000; ++n) go(-7, -0.4 + 0.001 * n, 0);  // up, and back into what is air now
+  for (int n = 0; n < 1000; ++n) go(-7, -0.4 + 0.001 * n, 0);  // up, and back into the cut, now air
   for (int n = 0; n < 1000; ++n) go(-7, 0.6 - 0.0009 * n, 0);
   EXPECT_LT(nicked.distance, -0.3);
   EXPECT_LE(nicked.least, deepest);
   EXPECT_LE(nicked.ticks_in, ticks + 1000);
 }
 
-// A bur of 1.4 mm beside a wall that its shank of 1.6 mm rubs: by whatever response.
+// A bur of 1.4 mm beside a wall that touches its shank of 1.6 mm, with any response.
 TEST(Monitor, ANeighbourThatOnlyTheShankRubsIsTouchedAndNotCut) {
   const auto file = findToolFile("round-014", defaultToolFolders());
   ASSERT_TRUE(file) << file.error().message();
@@ -219,8 +219,8 @@ TEST(Monitor, ANeighbourThatOnlyTheShankRubsIsTouchedAndNotCut) {
   }
 }
 
-// A structure of pulp a millimetre below a tool that spends its power in the tissue above: as far off as it is from the
-// ball's middle, where heat enters as long as no tissue is close.
+// A structure of pulp a millimetre below a tool that spends its power in the tissue above. Its distance is that from
+// the ball's middle, where heat enters as long as no tissue is close.
 TEST(Monitor, ThePulpWarmsAsBelowASteadySource) {
   Box3 box;
   box.add(Vec3d(-3, -3, -6));
@@ -252,7 +252,7 @@ TEST(Monitor, ThePulpWarmsAsBelowASteadySource) {
     return monitor->pulpRise();
   };
 
-  // Almost all is conducted: next to no film, no chips.
+  // Almost all heat is conducted: hardly any film, no chips.
   const ThermalProperties& dentin = thermalProperties(Material::kDentin);
   const double off = 1 + kRadius;
   const double exact = 0.1 * 2000 / (2 * std::numbers::pi * dentin.conductivity * off) *

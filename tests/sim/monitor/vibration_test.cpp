@@ -23,13 +23,13 @@ VibrationSource bur(double teeth, double nominal_rpm) {
 // A micro saw of 3 mm stroke.
 VibrationSource saw(double cycles_per_minute) { return {ToolMotion::kStroke, 1 / 6.0, cycles_per_minute / 60, 3}; }
 
-// Samples of a steady state, tick by tick as the step would ask for them.
+// Samples of a steady state, tick by tick, as requested by the step.
 std::vector<float> steady(const VibrationSource& source, double rate, double speed, double load, double seconds = 1) {
   Vibration vibration(source, rate);
   std::vector<float> start(static_cast<std::size_t>(rate / 10)), out(static_cast<std::size_t>(seconds * rate));
   vibration.render({speed, load, Material::kDentin}, start);
   for (std::size_t n = 0; n < out.size();) {
-    // Ticks of a millisecond, as many samples as fit: 44 or 45 at 44.1 kHz.
+    // Ticks of a millisecond with all samples that fit: 44 or 45 at 44.1 kHz.
     const std::size_t end =
         std::min(out.size(), static_cast<std::size_t>((std::floor(n / rate * 1000 + 0.5) + 1) * rate / 1000));
     vibration.render({speed, load, Material::kDentin}, std::span(out).subspan(n, end - n));
@@ -141,7 +141,7 @@ TEST(Vibration, RestIsSilent) {
   EXPECT_EQ(largest(x), 0);
 }
 
-// The steepest a sum of these tones may be; a jump of phase or size would exceed it.
+// The maximum slope of a sum of these tones. A jump of phase or size would exceed it.
 TEST(Vibration, ChangesOfSpeedAndLoadMakeNoClick) {
   constexpr double kRate = 48000;
   Vibration vibration(bur(0, 40000), kRate);
@@ -149,7 +149,7 @@ TEST(Vibration, ChangesOfSpeedAndLoadMakeNoClick) {
   float last = 0;
   double steepest = 0;
   for (int tick = 0; tick < 2000; ++tick) {
-    // Without load, so that there is no noise; speed in steps from tick to tick.
+    // Without load, so without noise. Speed in steps from tick to tick.
     vibration.render({40000 * kRadPerSecond * (0.5 + 0.5 * std::sin(0.05 * tick)), 0, Material::kDentin}, x);
     for (const float v : x) {
       steepest = std::max(steepest, static_cast<double>(std::abs(v - last)));
@@ -161,7 +161,7 @@ TEST(Vibration, ChangesOfSpeedAndLoadMakeNoClick) {
 }
 
 TEST(Vibration, WhatTheRateCannotCarryIsLeftOut) {
-  // 200 000 rpm at 4 kHz: the tone of 3333 Hz would fold to 667.
+  // 200 000 rpm at 4 kHz: the tone of 3333 Hz would alias to 667.
   const auto x = steady(bur(6, 200000), 4000, 200000 * kRadPerSecond, 0);
   EXPECT_LT(largest(x), 1e-6);
 }
@@ -169,7 +169,7 @@ TEST(Vibration, WhatTheRateCannotCarryIsLeftOut) {
 TEST(Vibration, SameInputsSameBits) {
   const auto a = steady(bur(6, 40000), 44100, 4000, 0.7), b = steady(bur(6, 40000), 44100, 4000, 0.7);
   EXPECT_EQ(a, b);
-  // By number, so that another system or compiler that differs is found out.
+  // As numbers, to detect a different system or compiler.
   std::uint64_t hash = 14695981039346656037u;
   for (const float v : a) hash = (hash ^ std::bit_cast<std::uint32_t>(v)) * 1099511628211u;
   EXPECT_EQ(hash, 9109773133947693407u);

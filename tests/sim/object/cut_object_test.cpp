@@ -43,7 +43,7 @@ TEST(PointShell, AreaOfABallIsRightWhateverTheVoxelAndWhereItLies) {
         }
       }
       EXPECT_NEAR(area / (4 * M_PI), 1, h == 0.1 ? 0.003 : 0.001) << h << " " << offset;
-      EXPECT_LT(closed.norm(), 5e-4 * area);  // area vectors of a closed surface sum to nothing
+      EXPECT_LT(closed.norm(), 5e-4 * area);  // area vectors of a closed surface sum to zero
     }
 }
 
@@ -64,7 +64,7 @@ TEST(PointShell, NormalsPointOutOfTheTissue) {
   }
 }
 
-// Two chunks more than the longest shell has: every shell takes the place of those before it.
+// Two chunks more than the longest shell: every shell replaces earlier ones.
 TEST(LoadedShells, AreThoseOfTheValuesHoweverOftenTheyAreMade) {
   const auto baked = block({3, 2, 2}, 0.1, {Eigen::Quaterniond(Eigen::AngleAxisd(0.4, Vec3d::UnitX())), {0, 0, 0}});
   BrickStore bricks(baked, BrickStore::Begin::kWithAllBricks);
@@ -76,7 +76,7 @@ TEST(LoadedShells, AreThoseOfTheValuesHoweverOftenTheyAreMade) {
     if (bricks.slot(s).shell_count == 0) continue;
     shells.make(bricks, s);
     ++made;
-    // Of all slots, those that have a shell have the right one.
+    // All slots with a shell have the right one.
     for (int other = 0; other <= s; ++other) {
       const BrickSlot& slot = bricks.slot(other);
       if (slot.shell_count == 0) continue;
@@ -105,7 +105,7 @@ TEST(CutObject, FindsEveryBrickAndNoOther) {
   EXPECT_EQ(object.find({-1000, -1000, 1 << 30}), -1);
 }
 
-// What a session of 10 000 ticks leaves behind is what one would build from the field alone.
+// After 10 000 ticks a session equals a rebuild from the field alone.
 TEST(CutObject, AfterTenThousandRandomCarvesShellAndLedgerAreThoseOfAFullRebuild) {
   Model model;
   model.tools = {practiceBall(0.35, 840)};
@@ -158,7 +158,7 @@ TEST(CutObject, WithoutMemoryNothingIsLostOnlyLate) {
   poor.objects.emplace_back(baked, 3);
   rich.objects.emplace_back(baked, 4096);
   EXPECT_TRUE(dig(poor, 2) & kStepBricksRanOut);
-  EXPECT_EQ(poor.objects[0].bricks().shellDefects(), 0u);  // what could be cut can be felt
+  EXPECT_EQ(poor.objects[0].bricks().shellDefects(), 0u);  // any volume that can be cut can be felt
   EXPECT_FALSE(dig(rich, 3) & kStepBricksRanOut);
 
   EXPECT_NE(poor.objects[0].stateHash(), rich.objects[0].stateHash());
@@ -225,14 +225,14 @@ TEST(CutObject, EverySubscriberIsGivenEachChangedBrickOnceTheLastFirst) {
   EXPECT_EQ(taken(BrickSubscriber::kMesher), (std::vector<int>{2, 1, 3}));
   EXPECT_TRUE(object.changes(BrickSubscriber::kMesher).isEmpty());
 
-  // The other one has been told nothing yet; what it does not want waits.
+  // The other subscriber has no report yet. Its unwanted changes wait.
   EXPECT_EQ(taken(BrickSubscriber::kPieces, false), (std::vector<int>{2}));
   ASSERT_TRUE(object.write(1));
   EXPECT_EQ(taken(BrickSubscriber::kPieces), (std::vector<int>{2, 1, 3}));
   EXPECT_EQ(taken(BrickSubscriber::kMesher), (std::vector<int>{1})) << "it changed again";
 }
 
-// Digs here and there, with strokes ended, taken back and brought back, as a session would.
+// Digs at random places, with strokes ended, undone and redone, as in a session.
 struct Digger {
   Digger() : state() {
     model.tools = {practiceBall(0.4, 840)};
@@ -240,7 +240,7 @@ struct Digger {
     model.settings.rendering = Rendering::kRigid;
     model.settings.geometry_only = true;
     state.objects.emplace_back(block({5, 5, 2}, 0.1));
-    EXPECT_TRUE(state.objects[0].reserve(4096));  // more strokes than a pool for its bricks alone has records for
+    EXPECT_TRUE(state.objects[0].reserve(4096));  // more strokes than records in a pool for its bricks alone
   }
   CutObject& object() { return state.objects[0]; }
   void dig(double x, double y) {

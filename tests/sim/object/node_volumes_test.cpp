@@ -1,4 +1,4 @@
-// What nodes stand for, against formulas and meshes.
+// Volumes of nodes, against formulas and meshes.
 #include "sim/object/node_volumes.h"
 
 #include <gtest/gtest.h>
@@ -28,14 +28,14 @@ TEST(NodeVolumes, ABallHasItsVolumeWhereverItLies) {
       const Vec3d center(offset, -0.4 * offset, 1.7 * offset);
       const auto ball =
           test::bakedFrom([&](const Vec3d& p) { return (p - center).norm() - radius; }, boxOf(radius + 0.3), 0.1);
-      // Chords are short of the arc by a part of (h / radius)^2.
+      // Chords fall short of the arc by a share of (h / radius)^2.
       const double wanted = 4.0 / 3 * std::numbers::pi * std::pow(radius, 3);
       EXPECT_NEAR(sum(ball->volumes()) / wanted, 1, 0.12 * std::pow(0.1 / radius, 2)) << radius << " " << offset;
     }
 }
 
 TEST(NodeVolumes, AWallAlongTheGridIsAsThickAsItIsWhateverTheScaleOfItsField) {
-  // 3 mm wide with edges at nodes across, thick by what is asked along each axis.
+  // 3 mm wide with edges at nodes across; `thick` along each axis.
   for (const double scale : {1.0, 0.2})
     for (int axis = 0; axis < 3; ++axis)
       for (const double thick : {0.53, 0.6, 0.671}) {
@@ -46,12 +46,12 @@ TEST(NodeVolumes, AWallAlongTheGridIsAsThickAsItIsWhateverTheScaleOfItsField) {
               return scale * (p.cwiseAbs() - half).maxCoeff();
             },
             boxOf(1.5), 0.1);
-        // Along an edge of the wall the nearest axis is not that of its thickness.
+        // Along an edge of the wall, the nearest axis differs from that of its thickness.
         EXPECT_NEAR(sum(wall->volumes()), 2.9 * 2.9 * thick, 0.01 * 2.9 * 2.9 * thick) << scale << axis << thick;
       }
 }
 
-// Tissues that meet askew, and a cut that goes deeper and deeper through both.
+// Tissues with an oblique border, and a deepening cut through both.
 TEST(NodeVolumes, ACutGivesNoTissueMore) {
   const Vec3f top = Vec3f(0.3f, -0.2f, 1).normalized(), border = Vec3f(-0.4f, 0.25f, 1).normalized();
   static constexpr float kVoxel = 0.1f, kBand = 0.4f;
@@ -95,7 +95,7 @@ TEST(NodeVolumes, AWholeCellCountsForTheMaterialOfItsNode) {
   EXPECT_EQ(sum, wanted);
 }
 
-// Between two cuts phi is small and positive: no surface, no volume.
+// Between two cuts, phi is small and positive: no surface, no volume.
 TEST(NodeVolumes, AFilmBetweenCutsIsNothing) {
   BrickValues film;
   film.fill(1e-6f);

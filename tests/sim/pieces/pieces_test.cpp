@@ -22,7 +22,7 @@ using scenes::ballWithAHole;
 using scenes::carve;
 using scenes::carveAtRandom;
 
-// The plain way: flood fill of all nodes, one by one.
+// Reference: flood fill of all nodes, one by one.
 struct Flood {
   std::map<std::uint64_t, int> label;
   std::vector<std::uint64_t> nodes;  // per label
@@ -62,7 +62,7 @@ std::vector<Piece> all(const PieceList& list) {
   return out;
 }
 
-// Same nodes in the same pieces as a flood fill finds, and a ledger that balances.
+// Same nodes in the same pieces as by flood fill, and a balanced ledger.
 void expectAsFlooded(PieceFinder& finder) {
   const Flood flood(finder.field().flattened());
   const PieceList& list = finder.find();
@@ -90,7 +90,7 @@ void expectAsFlooded(PieceFinder& finder) {
   EXPECT_EQ(sum, list.whole);
 }
 
-// Field of which every node is inside or outside as said, at half a voxel from the surface.
+// Field with every node inside or outside as given, at half a voxel from the surface.
 BrickField nodesInside(const std::vector<Vec3i>& inside) {
   BrickField field(0.1, 0.3f, -0.4f);
   for (const Vec3i& n : inside)
@@ -147,7 +147,7 @@ TEST(PieceFinder, ABridgeOfOneNodeJoinsAndItsLossSeparates) {
     edit.brick = brickOf(bridge);
     edit.phi = *field.valuesAt(edit.brick);
     float& v = edit.phi[static_cast<std::size_t>(nodeOffset(bridge[0], bridge[1], bridge[2]))];
-    v = 0;  // on the surface is outside
+    v = 0;  // a node on the surface is outside
     finder.apply(std::span(&edit, 1));
     EXPECT_EQ(all(finder.find()).size(), 2u);
     expectAsFlooded(finder);
@@ -206,8 +206,8 @@ TEST(PieceFinder, VolumeOfABallFallsShortByLessThanHalfTheSquareOfVoxelOverRadiu
 }
 
 TEST(PieceFinder, VolumeOfABoxFollowsEverySideEvenly) {
-  // Sides along the grid, at any place between nodes: only edges are uncertain. A node there sees half of
-  // each of two gaps of up to h / 2, and not the bar where both meet: 3/4 h^2 at worst.
+  // Sides along the grid, at any place between nodes: only edges are uncertain. A node there sees half of each of two
+  // gaps of up to h / 2, but not the bar where both meet: 3/4 h^2 at worst.
   const double h = 0.05;
   for (const double x : {0.8, 0.803, 0.81, 0.825, 0.84, 0.8499}) {
     const Vec3d half(x, 1.21, 0.57);
@@ -295,8 +295,8 @@ TEST(PieceFinder, TenThousandCarvesEndWhereARebuildBegins) {
   }
 }
 
-// A bar of 3 x 2 x 2 mm sawn by an oblique kerf of 0.35 mm, and a chip in the kerf. Distances of its pieces, exact but
-// beyond edges, where they are too small.
+// A bar of 3 x 2 x 2 mm, sawn by an oblique kerf of 0.35 mm, and a chip in the kerf. Distances of its pieces are exact
+// except beyond edges, where they are too small.
 double barDistance(const Vec3d& p) {
   const Vec3d d = p.cwiseAbs() - Vec3d(1.5, 1, 1);
   return d.cwiseMax(0.0).norm() + std::min(0.0, d.maxCoeff());
@@ -351,14 +351,14 @@ TEST(SplitField, ThePieceKeepsItsSurfaceAndNothingIsLeftOfTheOthers) {
     const Mesh whole = marchingCubes(phi0, plain), mesh = marchingCubes(alone, plain);
     expectClosedManifold(mesh);
 
-    // Every vertex is, bit for bit, one of the whole.
+    // Every vertex equals one of the whole, bit for bit.
     std::vector<std::array<double, 3>> known;
     for (const Vec3d& p : whole.vertices) known.push_back({p[0], p[1], p[2]});
     std::sort(known.begin(), known.end());
     for (const Vec3d& p : mesh.vertices)
       ASSERT_TRUE(std::binary_search(known.begin(), known.end(), std::array{p[0], p[1], p[2]}));
 
-    // Nothing but the piece makes the field small: where the others were it is the distance to this one.
+    // Only the piece makes the field small: at the places of the others it is the distance to this one.
     const auto distance = chipDistance(h * piece.first_node.cast<double>()) < 0 ? chipDistance
                           : kerfHeight(h * piece.first_node.cast<double>()) > 0 ? upperHalfDistance
                                                                                 : lowerHalfDistance;
@@ -375,9 +375,10 @@ TEST(SplitField, ThePieceKeepsItsSurfaceAndNothingIsLeftOfTheOthers) {
           continue;
         }
         const double wanted = std::min(distance(p), double{alone.background()});
-        // Half a voxel: where two pieces are equally near, or one is a chip of a few nodes, the other's may be taken.
+        // Half a voxel: if two pieces are equally near, or one is a chip of a few nodes, the distance of the other may
+        // be used.
         ASSERT_GT(v, wanted - 0.6 * h);
-        if (barDistance(p) > -3 * h) continue;  // beside the kerf's mouth: balls do not reach into its sharp edges
+        if (barDistance(p) > -3 * h) continue;  // beside the kerf's mouth: balls do not reach its sharp edges
         ASSERT_LT(v, wanted + 0.3 * h);
         ++in_the_kerf;
       }
@@ -385,14 +386,14 @@ TEST(SplitField, ThePieceKeepsItsSurfaceAndNothingIsLeftOfTheOthers) {
   }
 }
 
-// Across a corner of the grid a brick deep in one piece may be near another by its box alone: it stays what it was.
+// Across a corner of the grid, a brick deep in one piece may be near another only by its box: it stays unchanged.
 TEST(SplitField, AnObliqueKerfTakesNothingFromEither) {
   constexpr double h = 0.1;
   for (const double width : {2.6, 4.5})  // voxels
     for (const Vec3d& normal : {Vec3d(1, 1, 1), Vec3d(1, 1, 0), Vec3d(1, -1, 1)})
       for (const double shift : {-2.6, -1.1, 0.9, 2.0}) {
         const Vec3d n = normal.normalized();
-        // Every brick is stored, those all inside or all outside too, as they are beside any sampled surface.
+        // Every brick is stored, including those all inside or all outside, as beside any sampled surface.
         BrickField phi0(h, static_cast<float>(3 * h), static_cast<float>(-3 * h));
         for (int x = -4; x < 4; ++x)
           for (int y = -4; y < 4; ++y)
@@ -420,7 +421,7 @@ TEST(SplitField, AnObliqueKerfTakesNothingFromEither) {
       }
 }
 
-// Undo gives values back, but a subscriber has seen what was between: a piece must not depend on that.
+// Undo restores values, but a subscriber has seen the values in between. A piece must not depend on them.
 TEST(SplitField, WhatWasTakenBackLeavesNoTrace) {
   Box3 box;
   box.add(Vec3d(-2.2, -2.2, -2.2));

@@ -1,4 +1,4 @@
-// Cuts along a path that go on from a run, whatever that was cut by.
+// Path cuts that continue a run of any origin.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 class CutRunTest : public testing::Test {
  protected:
-  // Down into the block at each of these places, and out again.
+  // Down into the block at each place, and out again.
   fs::path holes(const std::string& name, const std::vector<Vec3d>& places) const {
     std::string rows = "t,x,y,z,qw,qx,qy,qz\n";
     double t = 0;
@@ -74,7 +74,7 @@ class CutRunTest : public testing::Test {
     ASSERT_TRUE(replayed) << replayed.error().message();
     EXPECT_TRUE(replayed->is_same && replayed->is_whole) << replayed->note;
   }
-  // A run of two halves, cut against resistance at last; the right one was moved by a person.
+  // A run of two halves, last cut against resistance. A person moved the right half.
   void cutInHalves(const Vec3d& moved) const {
     test::bakedBlock(folder_);
     geometry("block.case", slot("slot.csv", 0), "slot.run");
@@ -114,7 +114,7 @@ TEST_F(CutRunTest, GeometryThatGoesOnIsThatOfOneCutToTheBit) {
   EXPECT_NEAR(further.accuracy.max_mm, one.accuracy.max_mm, 1e-9) << "of all paths";
   EXPECT_LT(further.accuracy.max_mm, 0.02);
 
-  // Nothing that is left is met; what was cut with is checked.
+  // The path meets no remaining tissue. Kerf checks the inputs of earlier cuts.
   const auto again = cutCase(at("abc.run"), tool_, at("c.csv"), at("again.run"));
   ASSERT_FALSE(again);
   EXPECT_EQ(again.error().code, Error::Code::kEmpty);
@@ -138,7 +138,7 @@ TEST_F(CutRunTest, GeometryGoesOnFromACutAgainstResistance) {
   EXPECT_NEAR(second.removed_by_material.begin()->second, b, 0.05 * b) << "since then";
   EXPECT_NE(exported("ab.run").accuracy_missing.find("goes on from"), std::string::npos);
 
-  // And on, by hand and by geometry.
+  // Continues by hand and by geometry.
   byHand("ab.run", holes("c.csv", {{-2, -1, -0.6}}), "abc.run");
   expectReplays("abc.run");
   geometry("ab.run", holes("d.csv", {{0, 1, -1}}), "abd.run");
@@ -163,7 +163,7 @@ TEST_F(CutRunTest, WhatStoodBesideStandsThereAgainAsItWasLeft) {
   EXPECT_NEAR(removedIn("b.run", 1), 2 * removedIn("a.run", 1), 0.1 * before);
   EXPECT_NEAR(removedIn("b.run"), 2 * removedIn("a.run"), 0.1 * removedIn("a.run"));
 
-  // A further one beside; and geometry, which sweeps all that is there.
+  // Another block beside; and geometry, which sweeps the whole scene.
   const fs::path third = test::bakedBlock(folder_, "third", {-7, 0, 0});
   const HapticCut more = byHand("b.run", holes("c.csv", {{0, 0, -0.6}}), "c.run", {third});
   ASSERT_EQ(more.manifest.beside.size(), 2u);
@@ -205,7 +205,7 @@ TEST_F(CutRunTest, PiecesAreCutByHandWhereTheyWerePut) {
   EXPECT_EQ(right->T_case_piece.translation, moved);
   EXPECT_NEAR(removedIn("c.run") - before, cut.summary.removed_mm3, 0.05 * cut.summary.removed_mm3);
 
-  // In the scan's frame, where it was: nothing is there any more.
+  // At its old place in the scan's frame, where nothing remains.
   const auto nothing = cutCaseByHand(at("halves.run"), tool_, holes("none.csv", {{1.8, 0, 0.5}}), at("none.run"));
   ASSERT_FALSE(nothing);
   EXPECT_EQ(nothing.error().code, Error::Code::kEmpty);
@@ -226,7 +226,7 @@ TEST_F(CutRunTest, PiecesAreSweptWhereTheyWerePut) {
   ASSERT_FALSE(nothing);
   EXPECT_EQ(nothing.error().code, Error::Code::kEmpty);
 
-  // As in the object in one piece, where the piece was.
+  // The same result as in the undivided object, at the piece's old place.
   RunManifest whole = *readRunManifest(at("halves.run"));
   whole.pieces.clear();
   ASSERT_TRUE(writeRunManifest(at("halves.run"), whole));
@@ -235,7 +235,7 @@ TEST_F(CutRunTest, PiecesAreSweptWhereTheyWerePut) {
   EXPECT_NEAR(removedIn("there.run"), removedIn("c.run"), 1e-3 * removed);
 }
 
-// A half that stands aside is cut in two: both parts stay there, and neither has the name of another piece.
+// A cut splits a displaced half: both parts stay there, and neither has the name of another piece.
 void expectPartsStayAside(const RunManifest& run, const Vec3d& moved) {
   ASSERT_EQ(run.pieces.size(), 3u);
   std::set<std::string> names;
@@ -268,12 +268,12 @@ TEST_F(CutRunTest, APieceThatIsCutInTwoIsTwoPiecesWhereItWasPut) {
   EXPECT_GT(by_hand.summary.reached_mm3, 0.9 * by_hand.summary.planned_mm3);
   expectPartsStayAside(by_hand.manifest, moved);
 
-  // And in what goes on from that.
+  // The same in a run that continues it.
   const RunManifest further = geometry("swept.run", holes("left.csv", {{-2, -1, -1}}), "further.run");
   EXPECT_TRUE(further.missing_pieces.empty());
   expectPartsStayAside(further, moved);
 
-  // A run that names but one of the two parts: the other is told of.
+  // A run that names only one of the two parts: Kerf reports the other.
   RunManifest older = *readRunManifest(at("swept.run"));
   std::erase_if(older.pieces, [](const auto& piece) { return piece.name != "left" && piece.name != "right"; });
   ASSERT_TRUE(writeRunManifest(at("swept.run"), older));
@@ -284,7 +284,7 @@ TEST_F(CutRunTest, APieceThatIsCutInTwoIsTwoPiecesWhereItWasPut) {
 
 TEST_F(CutRunTest, APieceThatIsSweptAwayIsNoPieceAnyMore) {
   ASSERT_NO_FATAL_FAILURE(cutInHalves({4, 0, 0}));
-  // Layer by layer, lane by lane, over all of the right half.
+  // Layer by layer, lane by lane, over the whole right half.
   std::string rows = "t,x,y,z,qw,qx,qy,qz\n";
   double t = 0, y = -3;
   for (double z = -0.3; z > -4; z -= 0.5)

@@ -1,4 +1,4 @@
-// Grids whose numbers are no distances, in cases and runs whose manifests vouch for them.
+// Grids with numbers that are no distances, in cases and runs with matching manifests.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -45,7 +45,7 @@ BrickField turned(const BrickField& field) {
   return out;
 }
 
-// A block with finer voxels around a groove; the border of that region runs through the tissue.
+// A block with finer voxels around a groove. The border of that region passes through the tissue.
 class ForgedGrids : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -86,7 +86,7 @@ class ForgedGrids : public ::testing::Test {
     return field ? std::move(*field) : BrickField();
   }
 
-  // The file then holds these grids alone, and the manifest says that it is as it was written.
+  // The file then holds only these grids, and the manifest has its hash.
   static void forge(const fs::path& run, const std::string& grid, const BrickField& field,
                     const MaterialBricks& materials = {}) {
     ASSERT_TRUE(writeVdb(run / "run.vdb", {{grid, &field}}, {}, &materials));
@@ -152,14 +152,14 @@ TEST_F(ForgedGrids, MaterialThatComesFromNowhereIsRefusedByName) {
       << gone_on.error().message();
 }
 
-// A ridge of composite, and a groove that goes through it and into the block: the second run adds nothing, but began
-// with what the first did.
+// A ridge of composite, and a groove through it and into the block. The second run adds nothing, but starts with the
+// first run's material.
 class FillingOnABlock : public ForgedGrids {
  protected:
   void SetUp() override {
     ForgedGrids::SetUp();
     folder_.write("above.csv", "t,x,y,z,qw,qx,qy,qz\n0,-1,0,0.2,1,0,0,0\n1,-1,0,-0.2,1,0,0,0\n3,1,0,-0.2,1,0,0,0\n");
-    // From above, until the drive is up to speed; slowly, so that all of it gives way.
+    // From above, until the drive is up to speed; slowly, so that all tissue gives way.
     folder_.write(
         "through.csv",
         "t,x,y,z,qw,qx,qy,qz\n0,-1,0,3,1,0,0,0\n2,-1,0,2,1,0,0,0\n12,-1,0,-0.5,1,0,0,0\n32,1,0,-0.5,1,0,0,0\n");
@@ -239,7 +239,7 @@ TEST_F(FillingOnABlock, WhatIsCutOffItLaterIsCompositeAsInOneSession) {
   EXPECT_NEAR(in_summary(cut->summary.initial_by_material, "composite"), both.added_mm3[composite], 1e-6);
 }
 
-// The run itself, one that goes on from it, and one that goes on from that: by hand and by geometry.
+// The run itself, a run that continues it, and a run that continues that one: by hand and by geometry.
 TEST_F(FillingOnABlock, RunsThatGoOnReplayBitForBitAndHandItsMaterialOn) {
   folder_.write("side.csv", "t,x,y,z,qw,qx,qy,qz\n0,-2.2,-1,1,1,0,0,0\n1,-2.2,-1,-0.6,1,0,0,0\n");
   const fs::path aside = folder_.path() / "aside.run", swept = folder_.path() / "swept.run";
@@ -270,7 +270,7 @@ TEST_F(FillingOnABlock, RunsThatGoOnReplayBitForBitAndHandItsMaterialOn) {
   EXPECT_LE(plan->removed_by_material.at("composite"), added_mm3_ + 1e-6);
 }
 
-// The block and the ridge on it are cut in two, and come apart.
+// A cut separates the block and the ridge on it.
 TEST_F(FillingOnABlock, PiecesKeepTheMaterialThatEachOfThemHas) {
   std::string path = "t,x,y,z,qw,qx,qy,qz\n";
   int t = 0;
@@ -310,7 +310,7 @@ TEST_F(FillingOnABlock, PiecesKeepTheMaterialThatEachOfThemHas) {
   EXPECT_EQ((*again)->volumes(), (*whole)->volumes());
 }
 
-// A piece has air where the other one lies, and air has one material.
+// A piece has air at the place of the other one, and air has one material.
 TEST_F(FillingOnABlock, WhatIsAddedToAPieceLeavesTheTissuesOfTheOtherAsTheyAre) {
   const auto field = readRunCutField(filled_);
   const auto known = readRunMaterials(filled_);
@@ -339,7 +339,7 @@ TEST_F(FillingOnABlock, WhatIsAddedToAPieceLeavesTheTissuesOfTheOtherAsTheyAre) 
   ASSERT_EQ(pieces.size(), 2u);
   const auto left = static_cast<std::uint32_t>(session.object(0).bricks().field().bounds().min[0] < -1.5 ? 0 : 1);
 
-  // The left one gets pulp over the end of the ridge on the right one.
+  // The left piece gets pulp at the place of the ridge's end on the right piece.
   goTo({2.6, 0, 3}, {2.6, 0, 3});
   constexpr auto kPulp = static_cast<std::uint8_t>(Material::kPulp);
   ASSERT_TRUE(session.apply(AddMaterial{kPulp, left}));
@@ -413,7 +413,7 @@ TEST_F(FillingOnABlock, MaterialsOfARunThatNeverAddedAnyAreRefused) {
   EXPECT_NE(cut.error().message().find("never added any"), std::string::npos) << cut.error().message();
 }
 
-// It is no forgery: its voxels are others.
+// No forgery, but other voxels.
 TEST_F(ForgedGrids, ARunInAFineRegionIsNotGoneOnFromByHandAndIsToldWhy) {
   HapticCutOptions options;
   options.hand = HandKind::kFeed;

@@ -1,4 +1,4 @@
-// Sessions with a neighbour beside the object that is worked on.
+// Sessions with a neighbour beside the work object.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -18,8 +18,7 @@ using test::bakedBlock;
 using test::Mouse;
 using test::someTools;
 
-// Two blocks with 0.3 mm between them: one ends at x = 3, the other begins at 3.3. A bur of 1.4 mm at x = 2.9 cuts
-// both.
+// Two blocks with a gap of 0.3 mm: one ends at x = 3, the other begins at 3.3. A bur of 1.4 mm at x = 2.9 cuts both.
 const Vec3d kShift{6.3, 0, 0};
 const Vec3d kBetween{2.9, 0, 0}, kMiddle{-1, 0, 0}, kOnNeighbour{6, 0, 0};
 
@@ -70,7 +69,7 @@ TEST_F(LiveNeighbours, ACutBetweenTwoIsRecordedOffBothReplaysAndExports) {
     EXPECT_EQ(removedOff(**run, 1), off_other);
     EXPECT_EQ(removedOff(**run, 0), off_block);
 
-    // As it is now, of either.
+    // Current state of either object.
     mouse.awaitMeshers();
     const auto view = (*run)->viewScene();
     ASSERT_TRUE(view);
@@ -183,7 +182,7 @@ TEST_F(LiveNeighbours, OneThatIsInTheSceneAlreadyIsRefused) {
 TEST(LiveNeighboursKilled, WhatWasCutOffThemIsRecovered) {
   const TemporaryFolder folder;
   const fs::path run_folder = folder.path() / "block.run";
-  const pid_t child = ::fork();  // before any thread is made
+  const pid_t child = ::fork();  // before any thread starts
   ASSERT_GE(child, 0);
   if (child == 0) {
     const fs::path block = bakedBlock(folder), other = bakedBlock(folder, "other", kShift);

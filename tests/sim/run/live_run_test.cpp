@@ -60,7 +60,7 @@ TEST(LiveRun, StrokesWithTwoToolsBecomeARunThatReplaysAndExports) {
   EXPECT_EQ(manifest->tools.size(), 2u);
   const auto changed = readRunCutField(run_folder);
   ASSERT_TRUE(changed) << changed.error().message();
-  // What a stroke changed and undo brought back is among the mesher's bricks, too: as it was loaded.
+  // Bricks changed by a stroke and restored by undo are also among the mesher's bricks, with their loaded values.
   EXPECT_GE(now.brickCount(), changed->brickCount());
   for (std::size_t b = 0; b < changed->brickCount(); ++b) {
     const BrickValues* const known = now.valuesAt(changed->brickCoord(b));
@@ -91,7 +91,7 @@ TEST(LiveRun, PeaksAreOfStrokesThatStandAndWorseOnesTakenBackAreToldApart) {
     mouse.send(Undo{});
     mouse.drill({1, 0, 0}, 1, 1);
     mouse.drill({-1, 0, 0}, 1, 6);
-    mouse.send(Undo{});  // at last: nothing comes in its place
+    mouse.send(Undo{});  // the last undo: nothing replaces it
     ASSERT_TRUE((*run)->finish());
   }
   run->reset();
@@ -117,7 +117,7 @@ TEST(LiveRun, PeaksAreOfStrokesThatStandAndWorseOnesTakenBackAreToldApart) {
 TEST(LiveRun, WhatAKilledProgramLeavesIsRecovered) {
   const TemporaryFolder folder;
   const fs::path run_folder = folder.path() / "block.run";
-  const pid_t child = ::fork();  // before any thread is made
+  const pid_t child = ::fork();  // before any thread starts
   ASSERT_GE(child, 0);
   if (child == 0) {
     const fs::path block = bakedBlock(folder);
@@ -146,7 +146,7 @@ TEST(LiveRun, WhatAKilledProgramLeavesIsRecovered) {
   EXPECT_TRUE(exportBundle(run_folder));
 }
 
-// A hole is filled; the next day somebody drills in the filling, and the day after that somebody goes on from there.
+// A hole is filled. The next day somebody drills in the filling, and the day after somebody continues from there.
 TEST(LiveRun, AFillingIsOfItsMaterialInSessionsThatGoOn) {
   const TemporaryFolder folder;
   const fs::path block = bakedBlock(folder), first = folder.path() / "first.run", second = folder.path() / "second.run";
@@ -192,7 +192,7 @@ TEST(LiveRun, AFillingIsOfItsMaterialInSessionsThatGoOn) {
   ASSERT_TRUE(replayed) << replayed.error().message();
   EXPECT_TRUE(replayed->is_same && replayed->is_whole) << replayed->note;
 
-  // What it began with, as a run of its own.
+  // Its initial state as a separate run.
   const fs::path branch = folder.path() / "began.run";
   const auto began = branchRun(second, {.sample = 0}, branch);
   ASSERT_TRUE(began) << began.error().message();
@@ -201,7 +201,7 @@ TEST(LiveRun, AFillingIsOfItsMaterialInSessionsThatGoOn) {
   EXPECT_EQ(of_branch->bricks, of_first->bricks);
   EXPECT_EQ(of_branch->numbers, of_first->numbers);
 
-  // Its program is gone: it is finished from its log.
+  // Its program is gone: recovery finishes it from its log.
   const auto before = readRunManifest(second);
   const auto materials = readRunMaterials(second);
   ASSERT_TRUE(before && materials);

@@ -1,4 +1,4 @@
-// A tool drawn elsewhere: any closed mesh, of which the part below a height cuts.
+// A tool from another program: any closed mesh. The part below a given height cuts.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -75,11 +75,11 @@ TEST(MeshTool, WhatIsNoToolIsRefusedWithWhatToWriteInstead) {
   }
 }
 
-// A hollow head: two balls, one on the other. The sweep has no slopes to go by and looks closer instead.
+// A hollow head: two balls, one on the other. The sweep has no slopes to use and samples more densely instead.
 TEST(MeshTool, AHeadThatIsNotConvexRemovesWhatItsMeshSays) {
   const TemporaryFolder folder;
   Mesh balls = ballMesh({0, 0, 0.5}, 0.5, 16);
-  append(balls, ballMesh({0, 0, 1.75}, 0.75, 16));  // 1.0 to 2.5: they touch nowhere, faces stay apart
+  append(balls, ballMesh({0, 0, 1.75}, 0.75, 16));  // 1.0 to 2.5: they never touch, faces stay apart
   for (std::size_t v = 0; v < balls.vertices.size(); ++v)
     if (v >= balls.vertices.size() / 2) balls.vertices[v][2] += 0.01;
   ASSERT_TRUE(writeMesh(folder.path() / "balls.stl", balls));

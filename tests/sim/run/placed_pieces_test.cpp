@@ -33,7 +33,7 @@ Rigid3 turned(double degrees, const Vec3d& by) {
   return {Eigen::Quaterniond(Eigen::AngleAxisd(degrees * std::numbers::pi / 180, Vec3d(1, 2, 3).normalized())), by};
 }
 
-// Three blocks of 6 x 4 x 3 mm in a row, and a speck that has no piece.
+// Three blocks of 6 x 4 x 3 mm in a row, and a speck without a piece.
 Mesh row() {
   Mesh out = test::blockMesh(true);
   append(out, shifted(test::blockMesh(true), {10, 0, 0}));
@@ -65,7 +65,7 @@ TEST(PlacedPieces, WhatIsNotMovedKeepsEveryBit) {
   EXPECT_EQ(together(*back).vertices, mesh.vertices);
 }
 
-// Two rows of teeth that touch within each row: each row is one piece, and holds one inner point at one end.
+// Two rows of touching teeth: each row is one piece, with one inner point at one end.
 TEST(PlacedPieces, SolidsThatTouchGoTogether) {
   Mesh teeth;
   for (int n = 0; n < 5; ++n) append(teeth, shifted(test::blockMesh(true), {6.05 * n, 0, 0}));
@@ -113,7 +113,7 @@ TEST(PlacedPieces, HaveTheNamesOfTheirSourceUnlessAPersonNamedThem) {
   EXPECT_TRUE(objectsOf(*nameless).empty());
 }
 
-// Teeth that touch are one piece and two solids: each keeps its name, also where it is moved.
+// Touching teeth are one piece and two solids. Each keeps its name, also after a move.
 TEST(PlacedPieces, APieceOfSeveralSolidsHasTheNamesOfAll) {
   const Mesh mesh = row();
   const std::vector<NamedPart> objects = {{"tooth 36", 0}, {"gingiva", 12}, {"tooth 37", 24}, {"", 36}};

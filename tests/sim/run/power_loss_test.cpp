@@ -1,8 +1,8 @@
-// The power fails behind any system call of a session: the session is whole, or recoverRun() finishes it.
+// The power fails after any system call of a session: the session is whole, or recoverRun() finishes it.
 //
-// The test stands between the program and the C library: it sees each call that syncs a file, or changes the names in a
-// folder, and then keeps the disk as a power failure would leave it. What was not synced is lost: a file is empty. A
-// name may be on the disk at once, or with the next sync of its folder: both disks are kept.
+// The test sits between the program and the C library. After each call that syncs a file or changes names in a folder,
+// it keeps the disk as a power failure would leave it. Unsynced content is lost: the file is empty. A name may reach
+// the disk at once, or with the next sync of its folder: the test keeps both disks.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -26,7 +26,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Below a folder, by relative name: the content of files, nothing of folders.
+// Content of files by relative name below a folder; no value for folders.
 using Disk = std::map<std::string, std::optional<std::string>>;
 
 class PowerFailures {
@@ -50,7 +50,7 @@ class PowerFailures {
   std::vector<Disk> disks() const { return disks_; }
 
  private:
-  // Of a file or folder as long as it lives: numbers of inodes are given again.
+  // Identifies a file or folder for its lifetime, as inode numbers are reused.
   using Id = std::pair<std::uint64_t, std::int64_t>;
   struct Named {
     Id id;
@@ -132,7 +132,7 @@ void restore(const Disk& disk, const fs::path& folder) {
 }  // namespace
 }  // namespace kerf::power_loss_test
 
-// In the place of the C library's.
+// Replaces the C library's functions.
 extern "C" {
 int fsync(int fd) { return kerf::power_loss_test::synced(::syscall(SYS_fsync, fd), fd); }
 int fdatasync(int fd) { return kerf::power_loss_test::synced(::syscall(SYS_fdatasync, fd), fd); }
@@ -206,7 +206,7 @@ TEST(PowerLoss, BehindAnySystemCallOfASessionItsCutIsKept) {
   EXPECT_GE(ended_whole, 1u);
 }
 
-// A session of two tools, of which the second is never in hand.
+// A session of two tools. The second is never in hand.
 class DamagedRun : public testing::Test {
  protected:
   void SetUp() override {

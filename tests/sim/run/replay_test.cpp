@@ -21,7 +21,7 @@ Model ball() {
   return model;
 }
 
-// Two teeth 0.6 mm apart, of different voxels.
+// Two teeth 0.6 mm apart, with different voxels.
 LoadedObjects twoTeeth() { return {test::block({4, 4, 2}, 0.1), test::block({4, 4, 2}, 0.12, at(4.6, 0.05, 0))}; }
 
 struct Recorded {
@@ -35,7 +35,7 @@ double removedOf(const CutObject& object) {
   return sum;
 }
 
-// A groove across both; then the second is tipped and moved, which a bur that is held still cuts anew; one undo.
+// A groove across both. Then the second tooth is tilted and moved, and a bur at rest cuts it again. One undo.
 Recorded record(const std::filesystem::path& path, const LoadedObjects& objects) {
   auto writer = SessionLogWriter::create(path, describe(Session(ball(), {objects[0]}, at(0, 0, 0.3))));
   EXPECT_TRUE(writer) << writer.error().message();
@@ -76,7 +76,7 @@ TEST(Replay, ASessionOfTwoTeethIsTheSameBitForBitCutMovedAndUndone) {
     EXPECT_EQ(again->objects, 2u);
     EXPECT_GE(again->checks, 2u);
     EXPECT_EQ(again->state_hash, fmt::format("{:016x}", recorded.hash));
-    // The snapshot stands where the second stroke begins: after the move, before the undo.
+    // The snapshot is at the start of the second stroke: after the move, before the undo.
     EXPECT_EQ(again->first_tick > 0, from > 0);
     EXPECT_EQ(again->commands, from > 0 ? 1u : 2u);
   }
@@ -88,7 +88,7 @@ TEST(Replay, WithoutTheNeighbourOrWithAnotherItIsNotTheSame) {
   record(file.path(), twoTeeth());
   const auto log = readSessionLog(file.path());
   ASSERT_TRUE(log) << log.error().message();
-  // The command that moves it has nothing to move.
+  // The move command has no object to move.
   const auto alone = replay(*log, "teeth.log", ball(), {twoTeeth().front()});
   ASSERT_FALSE(alone);
   EXPECT_NE(alone.error().message().find("object.move 1"), std::string::npos) << alone.error().message();

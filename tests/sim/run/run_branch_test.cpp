@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Two strokes; the second is taken back and another one cut in its place.
+// Two strokes. The second is undone and replaced.
 class RunBranchTest : public testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -55,7 +55,7 @@ class RunBranchTest : public testing::Test {
     for (std::size_t n = 0; n < report.object_count; ++n) out += report.objects[n].removed_mm3;
     return out;
   }
-  // A run that is whole: it replays, and exports what was cut.
+  // A complete run: it replays, and exports its cut.
   static void expectHolds(const fs::path& branch, double removed) {
     const auto replayed = replayRun(branch);
     ASSERT_TRUE(replayed) << replayed.error().message();
@@ -89,7 +89,7 @@ TEST_F(RunBranchTest, AnyMomentIsABranch) {
   EXPECT_EQ(written->tool_id, "round-014");
   expectHolds(branch, first_);
 
-  // In the middle of a stroke.
+  // During a stroke.
   const fs::path middle = folder_->path() / "middle.run";
   ASSERT_TRUE(branchRun(runFolder(), {.sample = second_began_ + 1500}, middle));
   const auto replayed = replayRun(middle);
@@ -99,7 +99,7 @@ TEST_F(RunBranchTest, AnyMomentIsABranch) {
   EXPECT_LT(replayed->removed_mm3, second_);
 }
 
-// Of what goes on from a branch, too: its log begins with begin.vdb.
+// Also from a run that continues a branch: its log begins with begin.vdb.
 TEST_F(RunBranchTest, ABranchIsGoneOnFromAndBranchedFromAgain) {
   const fs::path branch = folder_->path() / "base.run", next = folder_->path() / "next.run";
   ASSERT_TRUE(branchRun(runFolder(), {.step_began = second_began_}, branch));
@@ -132,7 +132,7 @@ TEST_F(RunBranchTest, ABranchIsGoneOnFromAndBranchedFromAgain) {
   EXPECT_NEAR(exported->post_op.report.removed_volume_mm3, second_ + after_one, 0.05 * (second_ + after_one));
 }
 
-// What the run before had cut and moved is there from the first moment on, before this one has cut anything.
+// Cuts and moves of the previous run are there from the first moment, before this run cuts.
 TEST_F(RunBranchTest, BeforeTheFirstStrokeOfARunThatGoesOnThereIsWhatItBeganWith) {
   const fs::path moved = folder_->path() / "moved.run", next = folder_->path() / "beyond.run";
   LiveRunOptions options = test::someTools();
@@ -141,7 +141,7 @@ TEST_F(RunBranchTest, BeforeTheFirstStrokeOfARunThatGoesOnThereIsWhatItBeganWith
     auto run = LiveRun::open(folder_->path() / "block.case", moved, options);
     ASSERT_TRUE(run) << run.error().message();
     test::Mouse mouse(**run);
-    mouse.send(SelectTool{1});  // some ticks before that
+    mouse.send(SelectTool{1});  // some ticks earlier
     mouse.send(MoveObject{0, {0, 0, 2}});
     const auto ended = (*run)->finish();
     ASSERT_TRUE(ended) << ended.error().message();
@@ -177,7 +177,7 @@ TEST_F(RunBranchTest, BeforeTheFirstStrokeOfARunThatGoesOnThereIsWhatItBeganWith
   }
 }
 
-// Of `kerf cut --add` a branch is a session, without the summary that tells what was added.
+// A branch of `kerf cut --add` is a session, without the summary of the added material.
 TEST_F(RunBranchTest, ABranchOfARunThatAddedMaterialIsGoneOnFrom) {
   const fs::path block = folder_->path() / "block.case", filled = folder_->path() / "filled.run";
   const fs::path branch = folder_->path() / "filling.run";
@@ -208,7 +208,7 @@ TEST_F(RunBranchTest, ABranchOfARunThatAddedMaterialIsGoneOnFrom) {
   EXPECT_TRUE(exportBundle(filled)) << "the log says it, too";
 }
 
-// The program is killed before it has deleted the log of a session in which nothing is left.
+// The program is killed before it has deleted the log of an empty session.
 TEST_F(RunBranchTest, WhatWasTakenBackIsFoundInTheLogOfAnEmptySession) {
   EXPECT_EQ(*droppedSteps(runFolder()), std::vector<std::uint64_t>{second_began_});
 
@@ -244,10 +244,10 @@ TEST_F(RunBranchTest, WhatWasTakenBackIsFoundInTheLogOfAnEmptySession) {
   fs::remove_all(lost);
 }
 
-// Killed in the middle of the log, it is no run: neither one that has ended nor one that waits to be recovered.
+// Killed while writing the log, it is no run: neither a finished run nor one to recover.
 TEST_F(RunBranchTest, ABranchThatWasHalfWrittenIsNoRun) {
   testing::GTEST_FLAG(death_test_style) = "threadsafe";
-  setenv("KERF_TEST_BRANCHED", runFolder().c_str(), 0);  // the child has a folder of its own
+  setenv("KERF_TEST_BRANCHED", runFolder().c_str(), 0);  // the child has its own folder
   const fs::path run = std::getenv("KERF_TEST_BRANCHED");
   const auto bytes = fs::file_size(runFolder() / "session.kerflog");
   const auto branchWithLittleRoom = [&] {

@@ -1,6 +1,6 @@
-// Removed volume and surface against what geometry says a tool sweeps: shapes x motions x resolutions, all step lengths
-// and grid rotations. A convex body of volume V that moves by L without turning sweeps V + A L, A its area projected
-// along the way.
+// Removed volume and surface against the geometric sweep of a tool: shapes x motions x resolutions, all step lengths
+// and grid rotations. A convex body of volume V that moves by L without turning sweeps V + A L, with A its area
+// projected along the motion.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-// A field that is tissue wherever the sweep will go.
+// A field of tissue wherever the sweep goes.
 BrickField solidAround(const Box3& region, double h) {
   BrickField phi0(h, static_cast<float>(3 * h), static_cast<float>(-4 * h));
   const Vec3i low = brickOf((region.min / h).array().floor().cast<int>().matrix()) - Vec3i::Constant(2);
@@ -42,7 +42,7 @@ Mesh swept(const ToolShape& shape, const Motion& motion, int steps, double h, Br
   return marchingCubes(cutter.sweep());
 }
 
-// An attitude and offset that line up with nothing.
+// An attitude and offset without any alignment.
 Rigid3 odd(unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> n;
@@ -60,7 +60,7 @@ struct Case {
   std::shared_ptr<const ToolShape> shape;
   Vec3d travel;   // tool frame, mm
   double volume;  // mm^3, swept
-  double radius;  // mm, the one that counts against the voxel
+  double radius;  // mm, the size to compare with the voxel
 };
 
 RevolvedProfile ball(double r) {
@@ -112,13 +112,13 @@ TEST(SweepAccuracy, StraightSweepsRemoveTheAnalyticVolume) {
     }
 }
 
-// A ball turned about a pivot beside it sweeps a section of a torus.
+// A ball rotated about a pivot beside it sweeps a section of a torus.
 TEST(SweepAccuracy, TurningBallRemovesATorusSection) {
   const double r = 0.8, ring = 2.5, angle = 1.2;
   const RevolvedShape shape(ball(r));
   const double exact = kPi * r * r * ring * angle + 4.0 / 3 * kPi * r * r * r;
   const Rigid3 base = odd(2);
-  // The pivot lies at (-ring, 0, r) of the tool's frame; the turn is about its y, so that tip and attitude both change.
+  // The pivot lies at (-ring, 0, r) of the tool's frame. The rotation is about its y, so tip and attitude both change.
   const Motion motion = [&](double s) {
     const Eigen::Quaterniond turn(Eigen::AngleAxisd(s * angle, Vec3d::UnitY()));
     const Vec3d pivot(-ring, 0, r);
@@ -132,8 +132,8 @@ TEST(SweepAccuracy, TurningBallRemovesATorusSection) {
   }
 }
 
-// A blade turned about its own corner, in its own plane: in polar coordinates about the corner the outline is the
-// widest radius that has passed each direction.
+// A blade rotated about its own corner, in its own plane. In polar coordinates about the corner, the outline is the
+// maximum radius that has passed each direction.
 TEST(SweepAccuracy, TurningBladeRemovesItsFan) {
   const double half = 0.4, width = 2, length = 5, angle = 0.6;
   Box3 box;
@@ -168,7 +168,7 @@ TEST(SweepAccuracy, StepLengthsOverTwoDecadesGiveTheSameVolume) {
   const double r = 0.7;
   const RevolvedShape shape(ball(r));
   const Rigid3 base = odd(4);
-  const Motion motion = [&](double s) {  // along and turning
+  const Motion motion = [&](double s) {  // translating and rotating
     const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.8 * s, Vec3d(1, 2, 0.5).normalized()));
     return base * Rigid3{turn, Vec3d(3 * s, 0.4 * s, 0)};
   };
@@ -214,7 +214,7 @@ double distanceToTriangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, const 
   return std::abs(n.dot(ap)) / n.norm();
 }
 
-// Surface: mesh to truth at vertices and centroids, truth to mesh at points on the truth found by projecting those.
+// Surface: mesh to truth at vertices and centroids, truth to mesh at their projections onto the truth.
 TEST(SweepAccuracy, SurfaceLiesWithinAVoxelEverywhereAndAFractionOfItOnAverage) {
   for (const Case& c : straightCases()) {
     const double h = c.radius / 8;
@@ -229,7 +229,7 @@ TEST(SweepAccuracy, SurfaceLiesWithinAVoxelEverywhereAndAFractionOfItOnAverage) 
       worst = std::max(worst, std::abs(d));
     }
     const double rms = std::sqrt(squares / static_cast<double>(mesh.vertices.size()));
-    // The other way: from points of the true surface, edges and corners of the tool included, to the nearest triangle.
+    // The reverse: from points of the true surface, with edges and corners of the tool, to the nearest triangle.
     double back = 0;
     std::mt19937 random(11);
     std::uniform_int_distribution<std::size_t> any(0, mesh.vertices.size() - 1);

@@ -1,4 +1,4 @@
-// The tree over the motions of a path against asking each of them.
+// The tree over the motions of a path against a test of each motion.
 #include "sim/run/swept_path.h"
 
 #include <gtest/gtest.h>
@@ -65,7 +65,7 @@ TEST(SweptPath, AsksFewOfManyMotions) {
   ASSERT_TRUE(tool);
   const CutPath path = windingPath(20'000);
   const SweptPath swept(*tool->cut, path);
-  // Points on the wall of the cut, where exports ask: at the side of the ball.
+  // Points on the wall of the cut, as queried by exports: at the side of the ball.
   std::size_t asked = 0;
   constexpr std::size_t kPoints = 200;
   for (std::size_t n = 0; n < kPoints; ++n) {

@@ -1,4 +1,4 @@
-// Kerf's own text files, damaged in thousands of ways: each is read or refused, none crashes a reader, and what is read
+// Kerf's own text files, damaged in thousands of ways: each is read or refused, no reader crashes, and every result
 // keeps the promises of its header.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@
 namespace kerf::text_files_test {
 namespace {
 
-// One to four changes: a byte, a run of bytes cut or doubled, a nasty word in place of a number.
+// One to four changes: a byte, a run of bytes cut or doubled, a hostile word in place of a number.
 std::string mutated(std::string text, std::mt19937& random) {
   static const std::vector<std::string> kWords{
       "nan", "inf",  "-inf", "1e308", "-1", "0", "1e-320", "99999999999999999999", "true", "\"\"", "[]", "{}",
@@ -54,7 +54,7 @@ struct Tally {
   int read = 0, refused = 0;
 };
 
-// Feeds mutations of `good` to `reads`, which says whether the file was taken.
+// Feeds mutations of `good` to `reads`, which returns whether the file was accepted.
 Tally tally(const TemporaryFolder& folder, const std::string& name, const std::string& good, int count,
             const std::function<Expected<void>()>& reads) {
   std::mt19937 random(20240607);
@@ -157,7 +157,7 @@ constexpr const char* kRunOfAPath =
     "path_file = \"path.csv\"\npath_sha256 = \"02\"\nsegments = 12\npath_length_mm = 3.5\nduration_s = 2.0\n"
     "voxel_mm = 0.1\nstate_hash = \"0123456789abcdef\"\nfield_sha256 = \"03\"\n";
 
-// They were shown as results.
+// Unchecked, they would appear as results.
 TEST(TextFiles, NumbersThatNoRunHasAreRefusedByTheirKey) {
   const TemporaryFolder folder;
   for (const std::string line : {"segments = 12", "path_length_mm = 3.5", "duration_s = 2.0", "voxel_mm = 0.1"}) {
@@ -211,7 +211,7 @@ TEST(TextFiles, MutatedRunManifestsAreReadOrRefused) {
   EXPECT_GT(t.read, 10);
   EXPECT_GT(t.refused, 100);
 
-  // With two teeth beside the one that was cut.
+  // With two teeth beside the cut tooth.
   std::string scene = good;
   scene.replace(scene.find("geometry"), 8, "haptic");
   for (const char* name : {"35", "37"})
@@ -226,7 +226,7 @@ TEST(TextFiles, MutatedRunManifestsAreReadOrRefused) {
   const Tally beside = tally(folder, "run.toml", scene, 1000, read_all);
   EXPECT_GT(beside.read, 10);
   EXPECT_GT(beside.refused, 100);
-  // One cut geometry-only has no others.
+  // A geometry-only cut of a case has no neighbours.
   folder.write("run.toml", good + scene.substr(scene.find("[[beside]]")));
   EXPECT_FALSE(readRunManifest(folder.path()));
 }

@@ -22,7 +22,7 @@ BrickField cube() {
   return sampleDistance([](const Vec3d& p) { return p.cwiseAbs().maxCoeff() - 2; }, box, kVoxel);
 }
 
-// A distance in all bricks of a field, as a sweep's is kept.
+// A distance in all bricks of a field, as stored for a sweep.
 BrickField sweepBeside(const BrickField& phi0, const std::function<double(const Vec3d&)>& distance) {
   BrickField out(kVoxel, static_cast<float>(4 * kVoxel));
   for (std::size_t b = 0; b < phi0.brickCount(); ++b) {
@@ -49,7 +49,7 @@ TEST(ThinCut, ALayerOfHalfAVoxelThatNoNodeIsInCounts) {
   EXPECT_NEAR(thinCutVolume(phi0, sweep), 4 * 4 * 0.1, 0.05);
 }
 
-// A layer of a hundredth of a voxel counts as exactly as a thick one, along each axis.
+// A layer of a hundredth of a voxel is as exact as a thick one, along each axis.
 TEST(ThinCut, AVeryThinLayerHasItsVolume) {
   const BrickField phi0 = cube();
   for (int axis = 0; axis < 3; ++axis)
@@ -69,12 +69,12 @@ TEST(ThinCut, AStrokeCountsWhatItAdds) {
   EXPECT_NEAR(strokeVolume(phi0, thin, thick), 4 * 4 * 0.05, 0.05);
 }
 
-// Linear interpolation cuts chords: 3 % of a ball of five voxels.
+// Linear interpolation cuts chords: 3 % for a ball of five voxels.
 TEST(ThinCut, HalfABallHasItsVolume) {
   const BrickField phi0 = cube(), sweep = sweepBeside(phi0, ball({0.03, 0.05, 2}, 1));
   const double half = 2 * std::numbers::pi / 3;
   EXPECT_NEAR(sweptVolume(phi0, sweep), half, 0.04 * half);
-  EXPECT_NEAR(thinCutVolume(phi0, sweep), half, 0.02 * half);  // chords are balanced
+  EXPECT_NEAR(thinCutVolume(phi0, sweep), half, 0.02 * half);  // chords cancel
 }
 
 TEST(ThinCut, WhatStaysOutsideAndWhatTheExportDropsIsNone) {

@@ -1,4 +1,4 @@
-// A tip that comes out behind, and one that only enters a hollow.
+// A tip that exits behind the object, and a tip that only enters a hollow.
 #include "sim/run/tip_exit.h"
 
 #include <gtest/gtest.h>
@@ -37,7 +37,7 @@ TEST(TipExit, AClosedCavityIsNotTheFarSide) {
 }
 
 TEST(TipExit, BetweenTwoRootsIsTheFarSide) {
-  // A bridge over a tunnel along y: material ahead, but open to both ends.
+  // A bridge over a tunnel along y: material ahead, but open at both ends.
   const auto tunnel = [](const Vec3d& p) { return std::max(cube(p, 4), -(Vec3d(p.x(), 0, p.z()).norm() - 1.5)); };
   const auto place = exitOf(sampleDistance(tunnel, around(4), 0.1), 0);
   ASSERT_TRUE(place);

@@ -9,7 +9,7 @@
 namespace kerf::tool_check_test {
 namespace {
 
-// One case per tool, so that they run side by side and say which one fails.
+// One case per tool, so that they run in parallel and name the failing tool.
 class EveryTool : public ::testing::TestWithParam<std::filesystem::path> {};
 
 TEST_P(EveryTool, RemovesWhatItsNumbersSayAtTenVoxelsPerDiameter) {

@@ -27,12 +27,12 @@ std::set<std::string> tooCoarseOfRack(double voxel, Held held = Held::kByHand) {
   return out;
 }
 
-// (0.3 - 0.2) / 2 wider where the taper is (1.2 - 0.2) / 2 on 10 mm: 1 mm, and a little as a ball is to fit.
+// (0.3 - 0.2) / 2 wider where the taper is (1.2 - 0.2) / 2 on 10 mm: 1 mm, and a little more until a ball fits.
 TEST(ToolResolution, TheLengthOfAPointIsThatOfItsTaper) {
   EXPECT_NEAR(pointLength(toolOfRack("859-012"), 0.3), 1.05, 0.05);
   EXPECT_NEAR(pointLength(toolOfRack("round-014"), 0.3), 0.15, 0.02);  // a ball fits at once
   EXPECT_NEAR(pointLength(toolOfRack("837-012"), 0.3), 0.15, 0.02);    // a flat end, too
-  EXPECT_NEAR(pointLength(toolOfRack("round-005"), 0.6), 0.5, 0.02);   // never: all of its head
+  EXPECT_NEAR(pointLength(toolOfRack("round-005"), 0.6), 0.5, 0.02);   // never: the whole head
   EXPECT_EQ(pointLength(toolOfRack("saw-reciprocating-25"), 0.3), 0);
 }
 
@@ -64,7 +64,7 @@ TEST(ToolResolution, SaysWhatIsThinAndWhichVoxelsAreNearer) {
   EXPECT_FALSE(tooCoarseFor(toolOfRack("859-012"), needle->finer_mm, Held::kOnPath));
 }
 
-// Rounded to two digits, as it is said.
+// Rounded to two digits, as in the message.
 TEST(ToolResolution, WhoTakesTheAdviceForAThinToolIsNotWarnedAgain) {
   for (const ToolListing& listed : listTools(rackFolder())) {
     const Tool tool = toolOfRack(listed.file.stem().string());
@@ -74,7 +74,7 @@ TEST(ToolResolution, WhoTakesTheAdviceForAThinToolIsNotWarnedAgain) {
     ASSERT_NE(thin->what.find("voxels wide"), std::string::npos) << thin->what;
     const double advised = std::stod(fmt::format("{:.2g}", thin->finer_mm));
     if (const auto again = tooCoarseFor(tool, advised, Held::kByHand)) {
-      EXPECT_GT(pointLength(tool, 3 * advised), 4 * advised) << again->what;  // a flame: pointed with any
+      EXPECT_GT(pointLength(tool, 3 * advised), 4 * advised) << again->what;  // a flame: pointed at any voxel size
     }
   }
   EXPECT_FALSE(tooCoarseFor(toolOfRack("round-006"), 0.2, Held::kByHand));  // three voxels wide, rounded or not
@@ -87,7 +87,7 @@ TEST(ToolResolution, PointsThatResponsesLetThroughAreFlamesAndNeedles) {
   EXPECT_EQ(pointed, (std::set<std::string>{"858-012", "859-012", "862-012", "862-016", "863-012"}));
 }
 
-// A rod of 0.25 mm, 4 mm long, that never gets wider.
+// A rod of 0.25 mm, 4 mm long, of constant width.
 TEST(ToolResolution, AThinMeshIsPointed) {
   const TemporaryFolder folder;
   folder.write("rod.obj",

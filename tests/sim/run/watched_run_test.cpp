@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using std::chrono::milliseconds;
 
-// The newest chunk of each brick: what is in the picture.
+// The newest chunk of each brick: the content of the picture.
 class Picture {
  public:
   void add(const std::vector<ObjectChunks>& objects) {
@@ -47,7 +47,7 @@ class Picture {
   std::map<std::pair<std::uint32_t, std::uint64_t>, MeshChunkPtr> chunks_;
 };
 
-// A session of three strokes with two tools, the first two of them taken back.
+// A session of three strokes with two tools. The first two strokes are undone.
 class WatchedRunTest : public testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -89,14 +89,14 @@ class WatchedRunTest : public testing::Test {
     EXPECT_TRUE(run) << run.error().message();
     return run ? std::move(*run) : nullptr;
   }
-  // Until it is so, at most two minutes.
+  // Waits for a condition, at most two minutes.
   template <class IsSo>
   static bool becomes(WatchedRun& run, Picture& seen, const IsSo& is_so) {
     for (int n = 0; n < 60000; ++n) {
       run.update();
       seen.add(run.takeChunks());
       if (is_so()) {
-        seen.add(run.takeChunks());  // those that were meshed since the last look
+        seen.add(run.takeChunks());  // chunks meshed since the last look
         return true;
       }
       std::this_thread::sleep_for(milliseconds(2));
@@ -146,7 +146,7 @@ TEST_F(WatchedRunTest, TheTemperatureIsThatOfTheSessionWhereverOneJumps) {
   ASSERT_TRUE(settles(*run, seen));
   EXPECT_EQ(run->moment().report.heat.surface, kBodyCelsius) << "nothing was cut yet";
 
-  // In the middle of the last stroke, on the way there, and from behind: through a state that was kept.
+  // In the middle of the last stroke, forwards, and backwards from a kept state.
   std::size_t middle = 0;
   for (const WatchedStep& step : run->steps())
     if (step.kind == WatchedStep::Kind::kStroke) middle = (step.begin + step.end) / 2;
@@ -209,8 +209,8 @@ TEST_F(WatchedRunTest, BackAndForthEndsInTheSameStateAndPicture) {
   EXPECT_EQ(run->steps()[2].kind, WatchedStep::Kind::kUndo);
   const std::size_t places[] = {run->steps()[0].end, run->steps()[1].end, run->steps()[3].end, run->steps()[4].end};
 
-  // Each place by way of others, and each alone, of a replay that has not been anywhere. From the first to the second a
-  // state is taken that was kept between them: the second undo reaches back behind it, which is found out on the way.
+  // Each place through others, and each alone in a fresh replay. From the first to the second, the replay takes a state
+  // kept between them. The second undo reaches back behind that state, which the replay discovers on the way.
   Picture seen;
   std::map<std::size_t, Picture> at;
   std::map<std::size_t, double> removed;

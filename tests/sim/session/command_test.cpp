@@ -14,7 +14,7 @@ namespace {
 
 using Limits = std::numeric_limits<double>;
 
-// Doubles that are easily lost on the way through text.
+// Doubles that text conversion often loses.
 const std::array<double, 12> kAwkward = {0.0,
                                          -0.0,
                                          1.0 / 3,
@@ -28,7 +28,7 @@ const std::array<double, 12> kAwkward = {0.0,
                                          1 + Limits::epsilon(),
                                          -Limits::max()};
 
-// Of every alternative one or more; numbers that differ, so that a parameter that was mixed up shows.
+// One or more of every alternative, with distinct numbers, so that swapped parameters show.
 std::vector<Command> someCommands() {
   constexpr std::size_t kMost = std::numeric_limits<std::size_t>::max();
   std::vector<Command> out = {
@@ -44,7 +44,7 @@ std::vector<Command> someCommands() {
   return out;
 }
 
-// Equal, and -0 is not 0.
+// Equal, and -0 differs from 0.
 void expectSameBack(const Command& command) {
   const std::string text = printCommand(command);
   const auto back = parseCommand(text);
@@ -71,7 +71,7 @@ TEST(Command, WhatIsPrintedIsParsedToTheSameBits) {
     expectSameBack(MoveObject{random(), {number(), number(), number()}, {number(), number(), number(), number()}});
 }
 
-// The bytes of logs that are there already.
+// The bytes of existing logs.
 TEST(Command, TextsAreThoseOfTheLogFormat) {
   const std::pair<Command, const char*> texts[] = {
       {SelectTool{1}, "tool.select 1"},
@@ -92,7 +92,7 @@ TEST(Command, TextsAreThoseOfTheLogFormat) {
     EXPECT_EQ(printCommand(command), text);
     EXPECT_EQ(*parseCommand(text), command);
   }
-  // Written by hand, perhaps.
+  // Possibly hand-written.
   EXPECT_EQ(*parseCommand("object.move 1 0  0.050 -0.0 1.0 0 0   1E-12"), std::get<0>(texts[6]));
 }
 

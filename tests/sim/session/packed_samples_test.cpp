@@ -20,7 +20,7 @@ SampleBits bitsFor(const DeviceSample& sample) {
   return bitsOfSample(packed.data());
 }
 
-// Packs runs of `run` samples one after the other, as records of a log, and unpacks them again.
+// Packs runs of `run` samples in sequence, as records of a log, and unpacks them again.
 std::size_t bytesThereAndBack(const std::vector<SampleBits>& samples, std::size_t run) {
   SampleHistory writer, reader;
   std::vector<SampleBits> back;
@@ -35,7 +35,7 @@ std::size_t bytesThereAndBack(const std::vector<SampleBits>& samples, std::size_
   return bytes;
 }
 
-// A hand that goes around, with a stroke's rotation and its pedal.
+// A hand that moves in a circle, with a stroke's rotation and its pedal.
 std::vector<SampleBits> strokes(std::size_t count) {
   std::vector<SampleBits> out;
   for (std::size_t n = 0; n < count; ++n) {
@@ -57,7 +57,7 @@ TEST(PackedSamples, EveryBitComesBack) {
     for (std::uint64_t& number : bits) number = random();
     bits.back() &= 0xffffffffu;
     noise.push_back(bits);
-    for (std::uint64_t& number : bits) number = n % 2 ? ~std::uint64_t{0} : 0;  // the longest ways there are
+    for (std::uint64_t& number : bits) number = n % 2 ? ~std::uint64_t{0} : 0;  // the longest possible paths
     bits.back() &= 0xffffffffu;
     all.push_back(bits);
   }
@@ -69,8 +69,8 @@ TEST(PackedSamples, EveryBitComesBack) {
 }
 
 TEST(PackedSamples, BytesAreThoseOfTheDocumentedFormat) {
-  // By hand from docs/reference/file-formats.md: 5 after zeros is folded to 10, of which 3 bits are the lowest and one
-  // is beyond them: 0 1, and 0 1 0.
+  // By hand from docs/reference/file-formats.md: 5 after zeros folds to 10. 3 low bits and one bit beyond them: 0 1,
+  // and 0 1 0.
   SampleBits one{};
   one[4] = 5;
   SampleHistory history;
@@ -119,7 +119,7 @@ TEST(PackedSamples, BytesThatNobodyPackedAreRefused) {
   bad[3] |= std::byte{4};
   EXPECT_TRUE(isRefused(bad)) << "an eleventh number";
 
-  // All of 64 bits of a code, and more.
+  // All 64 bits of a code, and more.
   EXPECT_TRUE(isRefused({std::byte{1}, {}, std::byte{1}, {}, std::byte{0xfc}, {}, {}, {}, {}, {}, {}, {}, {}, {}}));
   SampleBits no_sample{};
   no_sample.back() = std::uint64_t{1} << 32;

@@ -26,7 +26,7 @@ Bytes someState(std::size_t size) {
   return bytes;
 }
 
-// A log with every kind of record; `ends`, where the header and each record end.
+// A log with every kind of record. `ends`: end of the header and of each record.
 struct SmallLog {
   Bytes bytes;
   std::vector<std::size_t> ends;
@@ -114,11 +114,11 @@ TEST(SessionLog, BytesAreThoseOfTheDocumentedFormat) {
   EXPECT_EQ(text(0, 24), "KERFLOG\n\2\0\0\0\x41\0\0\0\4\0\0\0kerf"s);
   const std::size_t samples = smallLog().ends[2];
   EXPECT_EQ(text(samples, 4), "\x8\0\0\0"s);
-  // Sample 2: all of its numbers are others than those of sample 1, but that it is valid.
+  // Sample 2: all its numbers differ from sample 1, except its validity.
   EXPECT_EQ(text(smallLog().ends[5] + 20, 4), "\1\0\xff\1"s) << "one sample, nine numbers that move";
 }
 
-// As the program before version 2 wrote it: by hand from docs/reference/file-formats.md.
+// Format before version 2: by hand from docs/reference/file-formats.md.
 TEST(SessionLog, ALogOfVersionOneIsRead) {
   using namespace internal;
   Bytes bytes;
@@ -156,7 +156,7 @@ TEST(SessionLog, ALogOfVersionOneIsRead) {
     EXPECT_TRUE(sameBits(log->samples[n].sample, sampleOf(5 + n)));
   }
 
-  // It knows no packed samples.
+  // That version has no packed samples.
   BytePacker(head.data()).u32(kPackedSamplesRecord).u32(0).u64(7);
   add(head);
   seal();
@@ -213,7 +213,7 @@ TEST(SessionLog, EveryFlippedBitIsFoundWhereItIs) {
 }
 
 TEST(SessionLog, ATailOfZerosIsFoundWhereItBegins) {
-  // What some file systems leave after a power failure: the length was on the disk, the bytes were not.
+  // Remains of a power failure on some file systems: the length was on the disk, the bytes were not.
   Bytes bytes = smallLog().bytes;
   const std::size_t whole = smallLog().ends[5];
   std::fill(bytes.begin() + static_cast<std::ptrdiff_t>(whole), bytes.end(), std::byte{0});
@@ -244,7 +244,7 @@ TEST(SessionLog, ARecordLeftOutDoubledOrSwappedIsFound) {
 }
 
 TEST(SessionLog, LengthsThatTheFileDoesNotCoverCostNoMemory) {
-  // The checksum of the head is right, so the length is believed until it meets the size of the file.
+  // The checksum of the head is right, so the reader uses the length until it meets the size of the file.
   Bytes bytes(smallLog().bytes.begin(), smallLog().bytes.begin() + static_cast<std::ptrdiff_t>(smallLog().ends[0]));
   std::array<std::byte, 20> head;
   const std::uint32_t before = internal::ByteUnpacker(bytes.data() + bytes.size() - 4).u32();
@@ -396,7 +396,7 @@ TEST(SessionLog, SnapshotsComeBackAndFalseOnesAreRefused) {
   EXPECT_FALSE(unpackSnapshot(bad));
   bad.size -= 2;
   EXPECT_FALSE(unpackSnapshot(bad));
-  bad.size = kMaxSnapshotBytes;  // more than the bytes can hold: refused before memory is taken
+  bad.size = kMaxSnapshotBytes;  // more than the bytes can hold: refused before memory is allocated
   EXPECT_FALSE(unpackSnapshot(bad));
   bad = good;
   bad.packed.push_back({});

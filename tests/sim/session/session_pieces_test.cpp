@@ -1,4 +1,4 @@
-// What comes apart becomes objects of its own: found, split, moved, cut further, undone, replayed.
+// Severed parts become separate objects: found, split, moved, cut further, undone, replayed.
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>
@@ -31,7 +31,7 @@ Model ball(double radius = 0.65) {
 
 std::shared_ptr<const BakedObject> bar() { return test::block({6, 2, 1}, 0.1); }
 
-// Through the bar at x, from one side to the other, and off it again.
+// Through the bar at x, from side to side, and away from it.
 void sever(Session& session, double x, double from = -1.8, double to = 1.8) {
   StepOutput out;
   session.tick(test::sampleAt(at(x, from, 3), 0), out);
@@ -56,7 +56,7 @@ TEST(SessionPieces, WhatIsSeveredBecomesAnObjectOfItsOwn) {
   const std::vector<CutObject>& objects = session.state().objects;
   ASSERT_EQ(objects.size(), 2u);
   for (const CutObject& object : objects) EXPECT_EQ(object.bricks().shellDefects(), 0u);
-  // The larger one stays object 0; both are where they were.
+  // The larger piece stays object 0; both keep their places.
   constexpr auto kDentin = static_cast<std::size_t>(Material::kDentin);
   const double large = objects[0].bricks().countVolumes()[kDentin], small = objects[1].bricks().countVolumes()[kDentin];
   EXPECT_NEAR(large, 2 * (3.3 - 0.65), 0.4);
@@ -66,7 +66,7 @@ TEST(SessionPieces, WhatIsSeveredBecomesAnObjectOfItsOwn) {
     PieceFinder alone(field);
     EXPECT_EQ(alone.find().pieces.size(), 1u);
   }
-  // Each is cut on its own from now on; the ledger of each counts from the split.
+  // Each is cut separately from now on. Each ledger starts at the split.
   const std::uint64_t other = objects[0].stateHash();
   sever(session, 1.9);
   EXPECT_EQ(objects.size(), 3u);
@@ -77,7 +77,7 @@ TEST(SessionPieces, EverythingInsideIsInExactlyOnePieceOrCrumb) {
   Session session(ball(), {bar()}, at(-0.7, -1.8, -1.15));
   PieceOptions options;
   options.crumb_mm3 = 0.4;
-  session.splitWhenApart(1 << 30, options);  // when asked only
+  session.splitWhenApart(1 << 30, options);  // on request only
   sever(session, 2.2);                       // leaves a sliver at the end of the bar
   sever(session, 0);
   const std::vector<CutObject>& objects = session.state().objects;
@@ -120,7 +120,7 @@ TEST(SessionPieces, APieceThatIsMovedAwayIsCutThereAndNoLongerHere) {
   }
   EXPECT_GT(removed, 0.05);
   EXPECT_NE(objects[1].stateHash(), before);
-  // And back: poses are undone with their strokes.
+  // And back: undo restores poses with their strokes.
   ASSERT_TRUE(session.apply(Undo{}));
   EXPECT_EQ(objects[1].stateHash(), before);
   const double nan = std::nan("");
@@ -177,7 +177,7 @@ TEST(SessionPieces, TwoObjectsComeApartInOneTickAndUndoMakesBothWhole) {
   const std::vector<CutObject>& objects = session.state().objects;
   ASSERT_EQ(objects.size(), 4u);
   const std::uint64_t hash = session.hash();
-  // Material for one that is not there any more is material for none.
+  // Adding material to an object that no longer exists adds none.
   ASSERT_TRUE(session.apply(AddMaterial{11, 3}));
   ASSERT_TRUE(session.apply(Undo{}));
   EXPECT_EQ(objects.size(), 2u);
@@ -187,7 +187,7 @@ TEST(SessionPieces, TwoObjectsComeApartInOneTickAndUndoMakesBothWhole) {
   EXPECT_EQ(session.hash(), hash);
 }
 
-// Between two strokes nothing is open: what was apart already is split by a step of its own.
+// Between two strokes no stroke is open: a pending split gets its own step.
 TEST(SessionPieces, ASplitAfterAStrokeHasEndedIsUndoneAlone) {
   Session session(ball(), {bar()}, at(-0.7, -1.8, -1.15));
   sever(session, -0.7);
@@ -208,7 +208,7 @@ TEST(SessionPieces, APieceOfAnObjectWhoseShellsWaitForBricksHasItsOwn) {
   StepOutput out;
   for (int n = 0; n <= 720; ++n) step(model, state, test::sampleAt(at(0, -1.8 + 3.6 * n / 720, -1.15)), out);
   ASSERT_EQ(out.status & kStepBricksRanOut, 0u);
-  // Changed once more, and not repaired: as after a tick that ran out of bricks.
+  // Changed once more, without repair: as after a tick that ran out of bricks.
   for (int s = 0; s < object.slotCount(); ++s)
     if (!object.slot(s).own && object.slot(s).shell_count > 0 && object.freeBricks() > 0) {
       float* const phi = object.write(s);
@@ -223,8 +223,8 @@ TEST(SessionPieces, APieceOfAnObjectWhoseShellsWaitForBricksHasItsOwn) {
     EXPECT_EQ(makePiece(object, bricks).bricks().shellDefects(), 0u);
 }
 
-// Blanks are made before anything comes apart, from the object as it was loaded: what has been cut, added and taken off
-// since must all be in the pieces, and theirs in turn.
+// Blanks are made before any split, from the loaded object. All later cuts, additions and removals must be in the
+// pieces, and in their pieces.
 TEST(SessionPieces, APieceOutOfABlankIsTheSameAsOneMadeAnew) {
   const Model model = ball(0.3);
   State scene;
@@ -238,7 +238,7 @@ TEST(SessionPieces, APieceOutOfABlankIsTheSameAsOneMadeAnew) {
     ASSERT_EQ(out.status & kStepBricksRanOut, 0u);
   };
   saw(scene, -0.7);
-  // A lump beside the bar's end, where there was air.
+  // A lump beside the bar's end, in former air.
   CutObject& whole = scene.objects[0];
   const int air = whole.addAir(whole.slot(0).brick - Vec3i(1, 0, 0));
   ASSERT_GE(air, 0);
@@ -264,7 +264,7 @@ TEST(SessionPieces, APieceOutOfABlankIsTheSameAsOneMadeAnew) {
     finder->apply(edits);
     return finder;
   };
-  // Two blanks, of three pieces the last is made anew; and again in what is left of the memory for the lists.
+  // Two blanks for three pieces: the last piece is made anew. Again with the remaining list memory.
   PiecePool pool;
   const auto split = [&](const CutObject& object, std::size_t count, bool in_pool) {
     const auto finder = finderOf(object);
@@ -280,7 +280,7 @@ TEST(SessionPieces, APieceOutOfABlankIsTheSameAsOneMadeAnew) {
       EXPECT_EQ(one.stateHash(), other.stateHash());
       EXPECT_EQ(one.bricks().field().stateHash(), other.bricks().field().stateHash());
       EXPECT_EQ(one.bricks().field().interiorBricks().size(), other.bricks().field().interiorBricks().size());
-      // Node by node, whatever the order of the slots.
+      // Node by node, in any slot order.
       const auto volumes = one.bricks().countVolumes(), others = other.bricks().countVolumes();
       for (std::size_t m = 0; m < volumes.size(); ++m) EXPECT_NEAR(volumes[m], others[m], 1e-9 * (1 + others[m]));
     }
@@ -289,7 +289,7 @@ TEST(SessionPieces, APieceOutOfABlankIsTheSameAsOneMadeAnew) {
   ASSERT_EQ(blank->out_of_scene.size(), 3u);
   EXPECT_GT(blank->out_of_scene[2].object.bricks().countVolumes()[static_cast<std::size_t>(Material::kEnamel)], 0.3);
   expectSame(*blank, *anew);
-  // And the larger one again.
+  // The same for the larger piece.
   std::vector<std::uint64_t> hashes;
   for (Split* const parts : {blank.get(), anew.get()}) {
     State piece;
@@ -334,7 +334,7 @@ TEST(SessionPieces, ReplayComesApartInTheSamePlaceBitForBit) {
   EXPECT_EQ(again->state_hash, fmt::format("{:016x}", session.hash()));
 }
 
-// Values at inside nodes, and at those next to them along an axis: all that a surface is made of.
+// Values at inside nodes and at their neighbours along an axis: all values that define the surface.
 void expectSameSurface(const BrickField& one, const BrickField& other) {
   std::size_t compared = 0;
   for (std::size_t b = 0; b < one.brickCount(); ++b)

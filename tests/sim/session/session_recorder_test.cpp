@@ -21,11 +21,11 @@
 #include "tests/support/temporary_folder.h"
 
 namespace {
-std::atomic<int> sync_error = 0;         // what fdatasync() fails with
-std::atomic<int> sync_milliseconds = 0;  // how long it takes, for a slow disk
+std::atomic<int> sync_error = 0;         // error of fdatasync()
+std::atomic<int> sync_milliseconds = 0;  // its duration, for a slow disk
 }  // namespace
 
-// In place of the C library's, here and in the code under test.
+// Replaces the C library's function, here and in the code under test.
 extern "C" int fdatasync(int fd) {
   std::this_thread::sleep_for(std::chrono::milliseconds(sync_milliseconds));
   if (sync_error == 0) return static_cast<int>(::syscall(SYS_fdatasync, fd));
@@ -40,12 +40,12 @@ namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-// What a child process tells its parent, who reads it after the child was killed.
+// Data from a child process, read by its parent after the child was killed.
 struct Told {
   static constexpr std::size_t kMost = 1 << 14;
   std::atomic<std::uint64_t> recorded;       // samples handed to the recorder; their ticks are 0, 1, ...
-  std::atomic<std::uint64_t> bytes_written;  // as the recorder's status had it
-  std::atomic<std::int64_t> times[kMost];    // ns, when each sample was handed over
+  std::atomic<std::uint64_t> bytes_written;  // from the recorder's status
+  std::atomic<std::int64_t> times[kMost];    // ns, time of each sample's delivery
 };
 class SharedMemory {
  public:
@@ -64,7 +64,7 @@ class SharedMemory {
   Told* told_;
 };
 
-// Runs `work` in a process of its own, which ends without destructors: nothing is flushed or closed behind our back.
+// Runs `work` in a separate process that ends without destructors: nothing is flushed or closed implicitly.
 pid_t inChild(const std::function<int()>& work) {
   const pid_t child = ::fork();
   if (child == 0) ::_exit(work());
@@ -79,7 +79,7 @@ int statusOf(pid_t child) {
 
 std::int64_t now() { return Clock::now().time_since_epoch().count(); }
 
-// Waits for what another thread will do within a minute, on any machine.
+// Waits up to a minute for another thread.
 bool becomesTrue(const std::function<bool()>& holds) {
   for (int i = 0; i < 6000; ++i) {
     if (holds()) return true;
@@ -211,7 +211,7 @@ TEST(SessionRecorder, IsWrittenAndSyncedWithoutBeingAsked) {
   EXPECT_EQ(readSessionLog(folder.path() / "s.kerflog")->samples.size(), 1u);
 }
 
-// Everything the haptic thread may call, in a row; the queue is full towards the end.
+// All calls of the haptic thread in sequence. The queue is full towards the end.
 void recordAll(SessionRecorder& recorder, std::uint64_t from, std::uint64_t to) {
   for (std::uint64_t tick = from; tick < to; ++tick) {
     recorder.record(MoveObject{tick, {-1.0 / 3, 1e-300, 0.1}, {1, 0, 0, 1e-12}}, tick);  // a long text
@@ -226,13 +226,13 @@ TEST(SessionRecorder, RecordingNeitherAllocatesNorFrees) {
   auto recorder = SessionRecorder::start(folder.path() / "s.kerflog", {});
   {
     const AllocationGuard guard;
-    recordAll(*recorder, 0, 4000);  // twice what the queue holds
+    recordAll(*recorder, 0, 4000);  // twice the capacity of the queue
   }
   ASSERT_TRUE(recorder->close());
 }
 
 TEST(AllocationGuardDeathTest, AllocatingAndFreeingEndTheProgram) {
-  static std::vector<int> numbers;  // static, so that the compiler cannot do without the allocation
+  static std::vector<int> numbers;  // static, so that the compiler cannot remove the allocation
   EXPECT_DEATH(
       {
         const AllocationGuard guard;
@@ -248,8 +248,8 @@ TEST(AllocationGuardDeathTest, AllocatingAndFreeingEndTheProgram) {
       "operator delete under an AllocationGuard");
 }
 
-// The kernel ends a thread in strict seccomp mode at any system call but read, write and exit: a lock that has to wait
-// or to wake would show as well.
+// In strict seccomp mode the kernel ends a thread at any system call except read, write and exit: a lock that waits or
+// wakes would show.
 TEST(SessionRecorder, RecordingMakesNoSystemCall) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "the sanitizer makes some of its own";
@@ -278,7 +278,7 @@ TEST(SessionRecorder, RecordingMakesNoSystemCall) {
   EXPECT_EQ(run("free.kerflog", false), kSurvived);
 }
 
-// In a child, because the limit is the whole process's.
+// In a child, because the limit applies to the whole process.
 TEST(SessionRecorder, AFullDiskIsReportedAndTheLogStaysWhole) {
 #if defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "ThreadSanitizer takes two threads of a forked child, one after the other, for the same";
@@ -358,7 +358,7 @@ int recordUntilKilled(const fs::path& path, Told& told) {
   return 3;
 }
 
-// Kills children after these times, `at_once` of them side by side, and reads what they left.
+// Kills children after these times, `at_once` of them in parallel, and reads their logs.
 void killAndRead(const std::vector<std::chrono::milliseconds>& lives, std::size_t at_once) {
   const TemporaryFolder folder;
   std::uint64_t samples = 0, most_missing = 0;
@@ -373,7 +373,7 @@ void killAndRead(const std::vector<std::chrono::milliseconds>& lives, std::size_
       children.push_back(inChild([&] { return recordUntilKilled(path(i), *told[i]); }));
     for (std::size_t i = 0; i < told.size(); ++i)
       killers.emplace_back([&, i] {
-        // From the first sample on, so that a slow start is not taken for a life.
+        // From the first sample on, so that a slow start does not count as lifetime.
         becomesTrue([&] { return told[i]->recorded > 0; });
         std::this_thread::sleep_for(lives[begin + i]);
         killed[i] = now();
@@ -413,7 +413,7 @@ TEST(SessionRecorder, KilledAtAHundredMomentsItLeavesAWholeLog) {
 TEST(SessionRecorder, KilledItLosesNothingOlderThanASecond) { killAndRead({1300ms, 1450ms, 1600ms, 1750ms}, 4); }
 
 TEST(SessionRecorder, ADiskThatTakesItsTimeToSyncCostsNoMore) {
-  // Seconds per sync, as a busy hard disk or a memory card may need: a kill must not take what waits for it.
+  // Seconds per sync, as for a busy hard disk or a memory card: a kill must not lose the queue.
   sync_milliseconds = 3000;
   killAndRead({1500ms, 1700ms}, 2);
   sync_milliseconds = 0;

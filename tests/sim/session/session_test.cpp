@@ -24,7 +24,7 @@ Model twoBalls() {
 
 Rigid3 at(double x, double y, double z) { return {Eigen::Quaterniond::Identity(), {x, y, z}}; }
 
-// A dab: down to `depth` beside the last one, pedal pressed, and up again.
+// A dab: down to `depth` beside the last one with the pedal pressed, and up again.
 void dab(Session& session, double x, double depth) {
   StepOutput out;
   for (int n = 0; n <= 200; ++n) {
@@ -60,7 +60,7 @@ TEST(Session, UndoTakesBackAStrokeBitForBitAndRedoBringsItBack) {
     EXPECT_NEAR(removed(), volumes[n], 1e-9);
   }
   EXPECT_FALSE(session.apply(Redo{}));
-  // After an undo a new stroke ends what could be redone.
+  // After an undo, a new stroke clears the redo list.
   ASSERT_TRUE(session.apply(Undo{}));
   dab(session, 1.2, 0.4);
   EXPECT_FALSE(session.apply(Redo{}));
@@ -93,12 +93,12 @@ TEST(Session, ListsTheStepsThatUndoAndRedoTake) {
   EXPECT_EQ(list.newest[2].kind, UndoStep::Kind::kMove);
   EXPECT_EQ(list.newest[2].number, 3u);
 
-  // What was taken back stands behind what can be.
+  // Undone strokes stand behind those that can be undone.
   ASSERT_TRUE(session.apply(Undo{}) && session.apply(Undo{}));
   EXPECT_EQ(session.undoList().undoable, 1u);
   EXPECT_EQ(session.undoList().redoable, 2u);
   EXPECT_EQ(session.undoList().newest, list.newest);
-  // A new stroke takes its place, with a number of its own.
+  // A new stroke takes its place, with its own number.
   dab(session, 1.2, 0.4);
   list = session.undoList();
   EXPECT_EQ(list.undoable, 2u);
@@ -163,7 +163,7 @@ struct Recorded {
   std::filesystem::path file;
   std::uint64_t hash = 0;
 };
-// Two tools, strokes taken back and brought back, a fault: everything a session may hold.
+// Two tools, strokes undone and redone, a fault: everything a session may hold.
 Recorded record(const std::filesystem::path& file, const std::shared_ptr<const BakedObject>& block) {
   SessionHeader header = describe(Session(twoBalls(), {block}, at(-1.5, 0.1, 0.3)));
   auto writer = SessionLogWriter::create(file, header);
@@ -197,7 +197,7 @@ TEST(Session, ReplayIsTheSameBitForBitOnAnyNumberOfThreads) {
   for (const std::size_t threads : {1u, 2u, 5u}) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     Model model = twoBalls();
-    model.tissues = test::oneTissue(1, 1, 1);  // those of the log count
+    model.tissues = test::oneTissue(1, 1, 1);  // the log's settings count
     const auto again = replay(*log, file.path().string(), std::move(model), {test::block({6, 4, 2}, 0.1)});
     ASSERT_TRUE(again) << again.error().message();
     EXPECT_TRUE(again->is_same) << again->differs_at;
@@ -241,7 +241,7 @@ TEST(Session, AHeaderWithoutItsNumbersIsRefusedByName) {
   EXPECT_NE(again.error().message().find("coupling.damping"), std::string::npos) << again.error().message();
 }
 
-// Logs of before have one damping, whether the drive turns or not.
+// Older logs have one damping for running and stopped drives.
 TEST(Session, ALogThatDoesNotTellItsDampingWhileRunningReplays) {
   const TemporaryFile file("session.log", "");
   std::filesystem::remove(file.path());
@@ -263,7 +263,7 @@ TEST(Session, ALogThatDoesNotTellItsDampingWhileRunningReplays) {
   EXPECT_EQ(model.settings.coupling.running_damping, 0.004);
 }
 
-// Takes everything and keeps the numbers.
+// Accepts everything and keeps the numbers.
 struct CountingSink final : SessionSink {
   void sample(const DeviceSample&, std::uint64_t) noexcept override { ++samples; }
   void command(const Command&, std::uint64_t) noexcept override { ++commands; }
@@ -295,7 +295,7 @@ TEST(Session, AStepItsStrokesAndCommandsNeitherAllocateNorFree) {
       }
       if (n == 2000) session.applyWithin(SelectTool{1});
     }
-    // And every other command that a HapticThread may do between two ticks.
+    // And every other command of a HapticThread between two ticks.
     others_done += session.applyWithin(AddMaterial{11, 0});
     others_done += session.applyWithin(StopAdding{});
     others_done += session.applyWithin(MoveObject{0, {-1.0 / 3, 1e-300, 0.1}, {1, 0, 0, 1e-12}});
@@ -305,15 +305,15 @@ TEST(Session, AStepItsStrokesAndCommandsNeitherAllocateNorFree) {
     hash = session.object(0).hashNow();
   }
   EXPECT_EQ(sink.samples, 4000);
-  EXPECT_EQ(sink.marks, 22);  // eight strokes, three of them ended by an undo and begun again
+  EXPECT_EQ(sink.marks, 22);  // eight strokes, three of them ended by an undo and restarted
   EXPECT_EQ(sink.checks, 4);
   EXPECT_EQ(undone, 4);
   EXPECT_EQ(others_done, 6);
-  EXPECT_EQ(sink.commands, 6 + others_done);  // one redo: none while a stroke is under way
+  EXPECT_EQ(sink.commands, 6 + others_done);  // one redo: none during a stroke
   EXPECT_EQ(hash, session.state().objects[0].stateHash());
 }
 
-// What a check in the log says is what hashing the whole state says.
+// A check in the log equals the hash of the whole state.
 TEST(Session, ChecksAreTheHashOfTheWholeState) {
   CountingSink sink;
   Session session(twoBalls(), {test::block({6, 4, 2}, 0.1)}, at(-1.5, 0.1, 0.3), &sink);

@@ -1,4 +1,4 @@
-// The state of a session as bytes: everything that counts is in them, and nothing they say is believed.
+// The state of a session as bytes: they are complete, and the reader trusts none of them.
 #include "sim/session/state_bytes.h"
 
 #include <fmt/format.h>
@@ -72,7 +72,7 @@ TEST(StateBytes, AStateFromBytesGoesOnBitForBit) {
   EXPECT_EQ(state->hash(), scene.session.hash());
 }
 
-// What a tool's core carries acts one evaluation later, and friction holds by what it held: both are state.
+// The load of a tool's core acts one evaluation later, and friction depends on its last hold: both are state.
 void expectNeedleGoesOn(double pedal) {
   const auto needle = readTool(std::string(KERF_SOURCE_DIR) + "/assets/tools/859-012.toml");
   ASSERT_TRUE(needle) << needle.error().message();
@@ -139,7 +139,7 @@ TEST(StateBytes, AReplayBeginsAtASnapshotAndEndsTheSame) {
   EXPECT_EQ(whole.first_tick, 0u);
   EXPECT_GE(whole.snapshots, 3u);
   EXPECT_GT(late.first_tick, 1000u);
-  // What was undone later began before the snapshot at 0.4 s: only the beginning knows it.
+  // The later undo applies to a stroke from before the snapshot at 0.4 s: only the beginning knows it.
   EXPECT_EQ(middle.first_tick, 0u);
   for (const Replay& r : {whole, late, middle}) {
     EXPECT_TRUE(r.is_same) << r.differs_at;
@@ -160,7 +160,7 @@ TEST(StateBytes, WhatIsNotWholeOrNotOurSceneIsRefused) {
   EXPECT_FALSE(unpackState(more, scene.loaded, "x"));
   EXPECT_FALSE(unpackState(bytes, {scene.loaded[1]}, "x"));
   EXPECT_FALSE(unpackState(bytes, {}, "x"));
-  // Any byte may be wrong: refused or another state, no crash.
+  // Any byte may be wrong: the result is an error or another state, no crash.
   std::mt19937 random(3);
   for (int n = 0; n < 300; ++n) {
     std::vector<std::byte> wrong = bytes;

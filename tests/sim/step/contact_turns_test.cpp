@@ -1,4 +1,4 @@
-// Contacts too large for a tick, in turns: the same force and removal as all at once, at a part of the work.
+// Contacts too large for a tick, processed in turns: the same force and removal as all at once, at a part of the work.
 #include "sim/step/contact_turns.h"
 
 #include <gtest/gtest.h>
@@ -79,7 +79,7 @@ TEST(ContactTurns, ForceAndRemovalAreThoseOfAllAtOnceAtAPartOfTheWork) {
   EXPECT_NEAR(removed[1] / removed[0], 1, 0.002);
   EXPECT_LT(most_apart, 0.02 * force[0] / (kTicks - kSettled));
   EXPECT_LT(most_jump, 0.02);  // N a ms
-  // What is removed is what the work pays for.
+  // The removal matches the work.
   EXPECT_NEAR(removed[1] / (power[1] * kTick / SunkBall::kEnergy), 1, 0.02);
 }
 

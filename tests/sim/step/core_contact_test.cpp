@@ -1,4 +1,4 @@
-// The core of a tool: where its points are, what they hold, and that nothing else changes by them.
+// The core of a tool: positions and support of its points, and no effect elsewhere.
 #include "sim/step/core_contact.h"
 
 #include <fmt/format.h>
@@ -41,7 +41,7 @@ SinkScene pushedBy(double hand_mm, double height = 4, double voxel = 0.1) {
   return scene;
 }
 
-// --- where the points are ---
+// --- positions of the points ---
 
 TEST(ToolCore, ABallHasItsMiddleForTheLowestPoint) {
   const ToolModel ball = practiceBall(0.5, 840);
@@ -84,7 +84,7 @@ TEST(ToolCore, ADiscAndABladeAreHeldByTheirRims) {
   EXPECT_NEAR(farthest(blade, -Vec3f::UnitZ()), -blade.cut.bounds().min[2], 0.35);
 }
 
-// --- what they hold ---
+// --- support by the points ---
 
 TEST(CoreContact, ANeedleStandsOnEnamelWithTheForceOfItsHand) {
   const Model model = modelOf(toolOfRack("859-012"));
@@ -95,20 +95,20 @@ TEST(CoreContact, ANeedleStandsOnEnamelWithTheForceOfItsHand) {
 
   Model without = model;
   without.tools[0].core.clear();
-  EXPECT_GT(sink(without, 0, pushedBy(8)).deepest, 2);  // the scene is one that needs it
+  EXPECT_GT(sink(without, 0, pushedBy(8)).deepest, 2);  // the scene requires the core
 }
 
 TEST(CoreContact, TheHandFeelsNoFallOfForceButOnceTheToolHasTouched) {
   SinkScene scene = pushedBy(4);
   const Model model = modelOf(toolOfRack("round-014"));
-  EXPECT_LT(sink(model, 0, scene).fall, 0.01);  // 0.07 N set the tool in motion in air, and go before it touches
+  EXPECT_LT(sink(model, 0, scene).fall, 0.01);  // 0.07 N set the tool in motion in air, and vanish before contact
 
   Model without = modelOf(toolOfRack("859-012"));
   without.tools[0].core.clear();
   EXPECT_GT(sink(without, 0, scene).fall, 0.05);
 }
 
-// A cone with a flat end of 0.6 mm, whose shell carries the less the deeper its rim is in, and a point thinner than two
+// A cone with a flat end of 0.6 mm, whose shell carries less as its rim goes deeper, and a point thinner than two
 // voxels: their cores have to take over in time.
 TEST(CoreContact, ASlowHandFeelsNoToolGiveWay) {
   for (const auto& [id, voxel] : {std::pair("847-012", 0.05), std::pair("863-012", 0.1)})
@@ -122,8 +122,8 @@ TEST(CoreContact, ASlowHandFeelsNoToolGiveWay) {
     }
 }
 
-// Where the object's band ends a point is held by what the nodes around say. In the middle of a cell that is aslant,
-// the nearest node is 0.87 voxels farther out: beyond the band, while the point is within it.
+// At the end of the object's band, the nodes around a point hold it. In the middle of an oblique cell the nearest node
+// is 0.87 voxels farther out: beyond the band, while the point is within it.
 TEST(CoreContact, AtTheEndOfTheBandAPointIsHeldInTheMiddleOfACellToo) {
   constexpr double kVoxel = 0.05;
   const Rigid3 frame = scenes::turned(0.9553, {-1, 1, 0}, {0.01, 0.02, 0});  // its normal along (1, 1, 1)
@@ -150,9 +150,9 @@ TEST(CoreContact, AtTheEndOfTheBandAPointIsHeldInTheMiddleOfACellToo) {
   EXPECT_EQ(held, all);
 }
 
-// --- what is thin: points, edges, fins ---
+// --- thin parts: points, edges, fins ---
 
-// A solid as a mesh has it: without symmetry.
+// A solid as a mesh without symmetry.
 class AsMesh final : public ToolShape {
  public:
   AsMesh(std::function<double(const Vec3d&)> distance, const Box3& box) : distance_(std::move(distance)), box_(box) {}
@@ -178,7 +178,7 @@ AsMesh chisel(double half_angle) {
   return {distance, {{-5 * s / c, -0.75, 0}, {5 * s / c, 0.75, 5}}};
 }
 
-// Three of them about the axis, under a shank.
+// Three fins about the axis, under a shank.
 AsMesh fins(double thickness) {
   const BoxShape fin({{0, -0.5 * thickness, 0}, {1, 0.5 * thickness, 4}}), shank({{-0.5, -0.5, 3.5}, {0.5, 0.5, 5}});
   const auto distance = [=](const Vec3d& p) {
@@ -243,7 +243,7 @@ TEST(CoreContact, ABallHasNoThinPoint) {
   EXPECT_GT(balls, 8u);
 }
 
-// A motor that runs down gets slower for half a minute.
+// A motor runs down for half a minute.
 TEST(CoreContact, WhatIsThinHoldsAMotorThatHardlyTurns) {
   Model model = modelOf(thinTools()[1].tool);
   SinkScene scene = pushedBy(3.4, 3);
@@ -289,7 +289,7 @@ TEST(CoreContact, SoftTissueStopsAToolAtRestAndSaysSoOverAllVoxels) {
           const std::string what = fmt::format("{} in {} N/mm3, {} mm high, voxels {}", id, stiffness, height, voxel);
           EXPECT_LT(got.deepest, 0.4 + width) << what;
           EXPECT_GT(got.force, 7) << what;
-          // A flat end: the surface reaches its second row of points.
+          // A flat end: its surface covers the second row of points.
           EXPECT_LT(got.fall, std::string_view(id) == "837-012" ? 0.4 : 0.05) << what;
           EXPECT_EQ(got.untold, 0) << what;
         }
@@ -323,9 +323,9 @@ TEST(CoreContact, AMachineIsNotHeld) {
   EXPECT_NEAR(sink(model, 0, pushedBy(2)).deepest, 2, 1e-9);
 }
 
-// As after an undo, after adding material, or when an object was moved onto the tool.
+// As after an undo, an addition of material, or a move of an object onto the tool.
 TEST(CoreContact, AToolThatFindsItselfInsideIsNotShotOut) {
-  // How far it gets from 1 mm below the surface in 0.3 s, where the hand stays.
+  // Distance travelled from 1 mm below the surface in 0.3 s, at the hand's rest position.
   const auto wayOut = [](const ToolModel& tool, bool was_outside) {
     const Model model = modelOf(tool);
     const Rigid3 inside{Eigen::Quaterniond::Identity(), {0.02, 0.03, -1}};
@@ -344,7 +344,7 @@ TEST(CoreContact, AToolThatFindsItselfInsideIsNotShotOut) {
   for (const char* id : {"859-012", "round-005"}) {
     const ToolModel tool = toolOfRack(id);
     EXPECT_LT(wayOut(tool, false), 0.2) << id;
-    EXPECT_GT(wayOut(tool, true), 0.5) << id;  // what it is kept from
+    EXPECT_GT(wayOut(tool, true), 0.5) << id;  // the ejection that the law prevents
   }
 }
 
@@ -363,7 +363,7 @@ TEST(CoreContact, ItAllocatesNothing) {
   EXPECT_GT(state.objects[0].core_load, 1);
   EXPECT_FALSE(state.core_drag.isZero());
 
-  // Another tool, or another place: nothing is left of it.
+  // Another tool, or another place, resets it.
   state.place({Eigen::Quaterniond::Identity(), {0, 0, 5}});
   EXPECT_EQ(state.objects[0].core_load, 0);
   EXPECT_TRUE(state.core_drag.isZero());
@@ -386,7 +386,7 @@ TEST(OneSidedLoads, OneSoftSpringHasItsFormula) {
   EXPECT_NEAR(loads.load[0], expected, 1e-12);
   EXPECT_NEAR(loads.motion[2], coming + expected / mass, 1e-9);
 
-  // Going away fast enough: no load.
+  // Separating fast enough: no load.
   b[2] = mass * 60;
   OneSidedLoads away;
   away.solve(a, b, std::span(&up, 1), least, softness);

@@ -1,4 +1,4 @@
-// Work of the drive pays for what is removed, whatever the shell's areas say beside an edge.
+// The removed volume matches the work of the drive, even where the shell's areas err beside an edge.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -39,7 +39,7 @@ TEST(CutArea, KnowsNothingBeforeSomethingWasCut) {
   EXPECT_NEAR(little.share(0.1), 0.5, 0.05);
 }
 
-// A ratio that changes is followed within kTime; with what was left unpaid meanwhile, within half of it.
+// The factor follows a changed ratio within kTime; with unpaid work included, within half of it.
 TEST(CutArea, WithWhatIsUnpaidItFollowsTwiceAsFast) {
   constexpr double kShell = 1e-3;
   CutArea late, soon;
@@ -77,9 +77,9 @@ State stateWith(const Model& model, double voxel) {
   return state;
 }
 
-// A bur of the rack draws a slot 0.6 mm deep at 0.1 mm voxels, its drive holding its speed.
+// A bur of the rack cuts a slot 0.6 mm deep at 0.1 mm voxels, its drive holding its speed.
 struct Slot {
-  double paid = 0, removed = 0;  // mm^3/s: what the work of the drive pays for
+  double paid = 0, removed = 0;  // mm^3/s: paid by the work of the drive
 };
 Slot slotOf(const char* id, double voxel) {
   Model model = modelOf(id);
@@ -87,7 +87,7 @@ Slot slotOf(const char* id, double voxel) {
   const ToolDrive& drive = model.tools[0].drive;
   const Rigid3 from{Eigen::Quaterniond::Identity(), {-0.3, 0.013, -0.6}};
 
-  // The tool's own shape first, so that the means are of a steady slot.
+  // The tool's own shape first, so that the means cover a steady slot.
   model.settings.geometry_only = true;
   StepOutput out;
   step(model, state, test::sampleAt(scenes::askew() * from), out);
@@ -96,7 +96,7 @@ Slot slotOf(const char* id, double voxel) {
   return {slot.drag * drive.speed / (1000 * drive.energy_factor), slot.rate};
 }
 
-// What goes first of a blade, down into the block until it is that deep, mm; in the block's frame.
+// Pose of a blade in the block's frame, its foremost point at that depth, mm.
 Rigid3 bladeAt(const Model& model, double depth) {
   const Vec3d& first = model.tools[0].plunge_direction;
   const Eigen::Quaterniond down = Eigen::Quaterniond::FromTwoVectors(first, -Vec3d::UnitZ());
@@ -105,7 +105,7 @@ Rigid3 bladeAt(const Model& model, double depth) {
   return {down, Vec3d(0.011 - middle[0], 0.013 - middle[1], -depth - lowest)};
 }
 
-// The mean thrust of a blade that is fed down at 1 mm/s, from 0.3 mm deep on, N.
+// The mean thrust of a blade fed down at 1 mm/s, from 0.3 mm deep on, N.
 double thrustOf(const char* id, double voxel) {
   Model model = modelOf(id);
   State state = stateWith(model, voxel);
@@ -129,8 +129,8 @@ TEST(CutArea, APointThinnerThanThreeVoxelsIsPaidForAsAFineOneIs) {
   EXPECT_NEAR(coarse.paid / fine.paid, 1, 0.1);
 }
 
-// Levels of the field go round the edges of a blade in arcs, whose normals lean: at a rim two voxels wide they took 6 %
-// of the thrust more or less than at a fine one.
+// Levels of the field round the edges of a blade in arcs with tilted normals. At a rim two voxels wide they changed the
+// thrust by 6 % against a fine one.
 TEST(CutArea, ABladesThrustDoesNotDependOnTheVoxel) {
   for (const char* id : {"disc-22", "saw-sagittal-10", "saw-reciprocating-25"}) {
     const double coarse = thrustOf(id, 0.1), fine = thrustOf(id, 0.05);
@@ -139,7 +139,7 @@ TEST(CutArea, ABladesThrustDoesNotDependOnTheVoxel) {
   }
 }
 
-// The normal load, N, where a tool was fed and its drive has fallen to that share of its free speed.
+// The normal load, N, after a tool was fed and its drive has fallen to that share of its free speed.
 double loadAt(const char* id, double speed) {
   Model model = modelOf(id);
   State state = stateWith(model, 0.1);
@@ -159,7 +159,7 @@ double loadAt(const char* id, double speed) {
   return out.normal_load;
 }
 
-// What is learned of edges while a tool cuts holds no more where its drive is at rest: it fades, it does not jump.
+// The edge factor from cutting does not apply to a drive at rest: it fades instead of jumping.
 TEST(CutArea, TheLoadDoesNotJumpWhereTheDriveComesToRest) {
   for (const char* id : {"disc-22", "837-012", "859-012"}) {
     const double rest = loadAt(id, 0);

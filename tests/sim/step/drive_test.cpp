@@ -46,11 +46,11 @@ TEST(Drive, ATurbineComesUpByItsTimeConstantAndRunsDownByItsBearing) {
 
 TEST(Drive, ATurbineLosesSpeedInProportionToTheLoadAndStalls) {
   for (const double load : {0.1, 0.5, 0.9}) EXPECT_NEAR(run(turbine(), 1000, 1, load, 10), 1000 * (1 - load), 1e-6);
-  // Torque at standstill goes with the square of the pedal, free speed with the pedal.
+  // Standstill torque is proportional to the square of the pedal, free speed to the pedal.
   EXPECT_NEAR(run(turbine(), 0, 0.5, 0, 20), 500, 1e-6);
   EXPECT_NEAR(run(turbine(), 0, 0.5, 0.125, 20), 250, 1e-6);
   EXPECT_EQ(run(turbine(), 0, 0.5, 0.26, 1), 0);
-  // Stalls, stays there, and comes back.
+  // Stalls, stays stalled, and recovers.
   const double stalled = run(turbine(), 1000, 1, 1.3, 2);
   EXPECT_EQ(stalled, 0);
   EXPECT_EQ(run(turbine(), stalled, 1, 1.01, 1), 0);
@@ -63,7 +63,7 @@ TEST(Drive, AMotorHoldsItsSpeedUpToItsTorque) {
   EXPECT_NEAR(run(motor(), 1000, 1, 0.99, 5), 1000 * (1 - 0.02 * 0.99), 0.1);
   EXPECT_EQ(run(motor(), 1000, 1, 1.5, 2), 0);
   EXPECT_NEAR(run(motor(), 0, 1, 0.5, 2), 990, 0.1);
-  // Neither up nor down faster than its torque allows.
+  // Its torque limits acceleration both ways.
   EXPECT_NEAR(run(motor(), 0, 1, 0, 0.15), 500, 1);
   EXPECT_NEAR(run(motor(), 1000, 0, 0, 0.15), 500, 1);
   EXPECT_NEAR(run(motor(), 1000, 1, 1.3, 0.5), 500, 1);
@@ -85,7 +85,7 @@ TEST(Drive, AMotorTurnsBackwardsAsForwardsAndStopsInBetween) {
   }
   EXPECT_GT(stood, 0);
   EXPECT_NEAR(speed, -1000 * (1 - 0.02 * 0.1), 1);
-  // A load slows what turns backwards, and does not drive it.
+  // A load slows reverse rotation and does not drive it.
   EXPECT_LT(run(motor(), -1000, 0, 0, 0.1), -600);
   EXPECT_GT(run(motor(), -1000, 0, 0.9, 0.1), run(motor(), -1000, 0, 0, 0.1));
 }
@@ -154,18 +154,18 @@ scenes::Hold drilled(const Model& model, Material material, double force, double
   return scenes::hold(model, drillScene(material, force, seconds));
 }
 
-// F = K D^1.25 (f + f0): feed of a turn by thrust, with the point in the bone.
+// F = K D^1.25 (f + f0): feed per turn by thrust, with the point in the bone.
 TEST(Drill, FeedOfATurnFollowsTheThrust) {
   const Model model = drillAt("drill-20", 1500);
   const double per_feed = DrillLips::kThrust * std::pow(2.0, 1.25);
   for (const double force : {8.0, 12.0}) {
-    const double feed = force / per_feed - DrillLips::kRubbing;  // mm a turn
+    const double feed = force / per_feed - DrillLips::kRubbing;  // mm per turn
     EXPECT_NEAR(drilled(model, Material::kCortical, force, 1.6).feed / (feed * 25), 1, 0.1) << force;
   }
 }
 
-// In soft bone a hand has more force than the greatest feed needs. What is over, the core holds; without one a narrow
-// drill falls through the block.
+// In soft bone a hand has more force than the greatest feed needs. The core holds the excess; without it a narrow drill
+// falls through the block.
 TEST(Drill, PushedBeyondItsGreatestFeedItIsHeldByItsCore) {
   for (const char* id : {"drill-20", "drill-28", "drill-35"}) {
     const Model model = drillAt(id, 800);
@@ -177,7 +177,7 @@ TEST(Drill, PushedBeyondItsGreatestFeedItIsHeldByItsCore) {
     }
   }
 
-  // The sooner its core holds a drill, the slower it feeds: 1.20 with 0.7 voxels kept in place of one.
+  // The earlier its core holds a drill, the slower it feeds: 1.20 with 0.7 voxels kept instead of one.
   const Model narrow = drillAt("drill-20", 800);
   const double greatest = 2 * narrow.tools[0].equator_mm * DrillLips::kMostFeed * 800 / 60;
   EXPECT_GT(drilled(narrow, Material::kCancellous, 20, 1.6).feed, 1.24 * greatest);
@@ -187,7 +187,7 @@ TEST(Drill, PushedBeyondItsGreatestFeedItIsHeldByItsCore) {
   EXPECT_GT(drilled(without, Material::kCancellous, 20, 1.6).feed, 20);
 }
 
-// Whatever a core carries, the lips do not cut by it.
+// The lips do not use the core's load for cutting.
 TEST(Drill, BelowThatItsCoreTakesNothing) {
   const Model model = drillAt("drill-20", 800);
   Model without = model;
@@ -201,12 +201,12 @@ TEST(Drill, BelowAForceItOnlyRubs) {
   const scenes::Hold held = drilled(model, Material::kCortical, 2.5, 1.5);
   EXPECT_LT(held.feed, 0.05);
   EXPECT_GT(held.torque, 0.1);
-  // Where the part of the point that is in needs all of the force.
+  // The depth at which the immersed part of the point needs all of the force.
   const double wide = std::pow(2.5 / (DrillLips::kThrust * DrillLips::kRubbing), 1 / 1.25);
   EXPECT_NEAR(held.depth, 0.5 * wide / std::sqrt(3.0), 0.03);
 }
 
-// As one backs a drill out: its lips rub with their backs, nothing goes, and the torque is the other way round.
+// Backing out a drill: its lips rub with their backs, remove nothing, and the torque is reversed.
 TEST(Drill, BackwardsItOnlyRubs) {
   const Model model = drillAt("drill-20", 1500);
   scenes::HoldScene scene = drillScene(Material::kCortical, 10, 1.0);
@@ -220,7 +220,7 @@ TEST(Drill, BackwardsItOnlyRubs) {
   EXPECT_GT(backwards.torque, 0.1);
 }
 
-// Grains have no back: a diamond takes as much backwards, and pulls the hand to the other side.
+// Grains have no back: a diamond removes as much in reverse, and pulls the hand to the other side.
 TEST(Drive, ADiamondCutsBackwardsAsForwardsAndPullsTheOtherWay) {
   const auto tool = readTool(*findToolFile("856-016", defaultToolFolders()));
   ASSERT_TRUE(tool);

@@ -38,7 +38,7 @@ TEST(Fill, ABallInTheAirIsABallOfItsMaterial) {
   state.objects.emplace_back(test::block({4, 4, 2}, 0.05));
   state.adds = Material::kComposite;
   StepOutput out;
-  // Its middle 0.9 mm above the block: its tip is the tool's origin.
+  // Its middle lies 0.9 mm above the block: its tip is the tool's origin.
   step(model, state, test::sampleAt(at(0.3, 0.2, 0.4)), out);
   const double ball = 4.0 / 3 * std::numbers::pi * 0.125;
   EXPECT_NEAR(out.added_mm3, ball, 0.01 * ball);
@@ -49,7 +49,7 @@ TEST(Fill, ABallInTheAirIsABallOfItsMaterial) {
   EXPECT_EQ(object.removed_mm3[kDentin], 0);
   EXPECT_EQ(object.bricks().shellDefects(), 0u);
   expectLedgerBalances(object);
-  // The same again adds nothing and changes no bit.
+  // A repetition adds nothing and changes no bit.
   const std::uint64_t hash = object.stateHash();
   step(model, state, test::sampleAt(at(0.3, 0.2, 0.4)), out);
   EXPECT_EQ(out.added_mm3, 0);
@@ -76,17 +76,17 @@ TEST(Fill, ACavityFilledUpIsWholeAgainAndOfTheFillingsMaterial) {
   dip(1.02);
   ASSERT_TRUE(session.apply(StopAdding{}));
 
-  // All of the cavity, and what the ball covers above and beside it.
+  // The whole cavity, and the ball's overlap above and beside it.
   EXPECT_GT(object.added_mm3[kComposite], removed);
   expectLedgerBalances(object);
   EXPECT_EQ(object.bricks().shellDefects(), 0u);
-  // The filling can be drilled like anything else, and gives way as its own material.
+  // The filling can be drilled like any tissue, with its own material.
   const double before = object.removed_mm3[kComposite];
   dip(0.5);
   EXPECT_GT(object.removed_mm3[kComposite], before + 0.1);
   expectLedgerBalances(object);
 
-  // Undo goes back over filling and drilling alike.
+  // Undo covers filling and drilling alike.
   ASSERT_TRUE(session.apply(Undo{}));
   ASSERT_TRUE(session.apply(Undo{}));
   EXPECT_EQ(object.stateHash(), drilled);
@@ -112,7 +112,7 @@ TEST(Fill, WhileItAddsTheToolIsNotFeltAndAfterwardsItFadesIn) {
   }
   EXPECT_GT(session.state().objects[0].added_mm3[kComposite], 0.5);
   EXPECT_EQ(session.state().objects[0].removed_mm3[kDentin], 0);
-  // It sits in what it added: now that is hard, and the hand must not be struck.
+  // The tool sits inside its added material, which is now hard, and the hand must not be struck.
   ASSERT_TRUE(session.apply(StopAdding{}));
   session.tick(test::sampleAt(at(0, 0, -0.2), 0), out);
   EXPECT_GT(out.normal_load, 0.5);
@@ -155,7 +155,7 @@ TEST(Fill, AfterManyRandomAddsAndCutsShellAndLedgerAreThoseOfARebuild) {
     }
   }
   EXPECT_GT(added, 1);
-  EXPECT_GT(removed, 0.2);  // one tick in each place: most of it only moves the field, not the surface
+  EXPECT_GT(removed, 0.2);  // one tick in each place: most of its ticks move only the field, not the surface
   EXPECT_EQ(state.objects[0].bricks().shellDefects(), 0u);
   expectLedgerBalances(state.objects[0]);
 }

@@ -1,4 +1,4 @@
-// Friction of a tool at rest: it holds as far as it goes, it creeps not at all, and no energy comes of it.
+// Friction of a tool at rest: it holds up to its limit, does not creep, and creates no energy.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -24,13 +24,13 @@ ToolModel toolOfRack(const std::string& id) {
 
 struct Push {
   double load = 1;       // N
-  double part = 0.7;     // of the side force that friction holds
+  double part = 0.7;     // share of the side force held by friction
   double trembling = 0;  // of the side force, to and fro
   double voxel = 0.1;
   double seconds = 2;
 };
 
-// How far a tool at rest goes sideways on a block in the last second of a push, mm.
+// Sideways motion of a tool at rest on a block in the last second of a push, mm.
 double creep(const ToolModel& tool, const Push& push) {
   Model model;
   model.tools = {tool};

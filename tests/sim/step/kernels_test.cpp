@@ -1,4 +1,4 @@
-// The loops of the step against plain formulas, in every instruction set this processor has.
+// The loops of the step against plain formulas, in every instruction set of this processor.
 #include <gtest/gtest.h>
 
 #include <hwy/targets.h>
@@ -19,7 +19,7 @@
 namespace kerf::internal {
 namespace {
 
-// Calls run() under each instruction set; the last call is under the best one.
+// Calls run() under each instruction set, the best one last.
 void onEveryTarget(const std::function<void()>& run) {
   const auto all = static_cast<std::uint64_t>(hwy::SupportedTargets());
   int count = 0;
@@ -32,7 +32,7 @@ void onEveryTarget(const std::function<void()>& run) {
   }
   hwy::SetSupportedTargetsForTest(0);
   hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-  // One alone would compare with nothing: every x86-64 of the last ten years has several.
+  // A single set compares with nothing. Every x86-64 of the last ten years has several.
   EXPECT_GE(count, 2);
 }
 
@@ -112,7 +112,7 @@ TEST(ErodeBrick, LeavesAirAndTheLeastOverlapAlone) {
   }
 }
 
-// Nodes of any number in the ranges they have.
+// Random nodes in their valid ranges.
 TouchingNodes randomNodes(int count, std::mt19937& random) {
   std::uniform_real_distribution<float> u(0, 1);
   TouchingNodes nodes{};
@@ -170,7 +170,7 @@ double plainLever(const Lever& lever, const TouchingNodes::Row (&place)[3], std:
   return 1;
 }
 
-// What a tool adds for one node, by the formulas of sim/step/contact.h in double.
+// A tool's contribution of one node, by the formulas of sim/step/contact.h in double.
 void addPlain(const TouchingNodes& nodes, std::size_t n, const TouchingTool& tool,
               std::array<double, TouchingSums::kSums>& sums, double& deepest) {
   using S = TouchingSums;
@@ -332,7 +332,7 @@ TEST(SumTouching, IsTheSumOfItsFormulas) {
   }
 }
 
-// The formula of a shell's node, one after the other.
+// The formula of a shell's node, evaluated one by one.
 int plainShell(const BrickNeighborhood& bricks, const std::uint8_t* materials, float e, float scale, ShellChunk* out) {
   int count = 0;
   for (int n = 0; n < kBrickNodes; ++n) {
@@ -357,7 +357,7 @@ int plainShell(const BrickNeighborhood& bricks, const std::uint8_t* materials, f
 TEST(ShellNodes, AreThoseOfTheFormulaToTheBit) {
   std::mt19937 random(7);
   std::uniform_real_distribution<float> u(-1, 1);
-  // From none to all of the nodes: 0, 1, a chunk, a chunk and one, and whatever comes.
+  // From none to all of the nodes: 0, 1, a chunk, a chunk and one, and larger numbers.
   for (const int wanted : {0, 1, 8, 64, 65, 200, 512}) {
     std::vector<std::vector<float>> bricks(7, std::vector<float>(512));
     for (auto& brick : bricks)
@@ -365,7 +365,7 @@ TEST(ShellNodes, AreThoseOfTheFormulaToTheBit) {
     std::vector<std::uint8_t> materials(512);
     for (auto& m : materials) m = static_cast<std::uint8_t>(random());
     for (std::size_t n = 0; n < 512; ++n) {
-      // A stride that is prime to 512 spreads the nodes over all rows and borders.
+      // A stride coprime to 512 spreads the nodes over all rows and borders.
       const std::size_t at = n * 77 % 512;
       bricks[0][at] = static_cast<int>(n) < wanted ? 0.0749f * u(random) : (n % 2 ? 0.075f : -0.2f);
     }

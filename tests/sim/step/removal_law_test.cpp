@@ -1,4 +1,4 @@
-// A hand pushes a ball into a block and along it: the load follows from the hand's force, and pays for the removal.
+// A hand pushes a ball into a block and along it: the load follows from the hand's force, and determines the removal.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,12 +10,12 @@ namespace kerf::removal_law_test {
 namespace {
 
 struct Groove {
-  double ledger = 0, mesh = 0, law = 0;  // mm^3 removed: by the ledger, of the mesh, the integral of mu N v_s / u_s
+  double ledger = 0, mesh = 0, law = 0;  // mm^3 removed: by the ledger, by the mesh, the integral of mu N v_s / u_s
 };
 
 double meshVolume(const BrickField& field) { return signedVolume(marchingCubes(field)); }
 
-// A ball of 1.6 mm on the coupling. The device goes `push` mm into the block in 0.3 s, then 2 mm along it at 5 mm/s.
+// A ball of 1.6 mm on the coupling. The device moves `push` mm into the block in 0.3 s, then 2 mm along it at 5 mm/s.
 Groove grooveOf(double voxel, double push) {
   constexpr double kFriction = 0.5, kSpeed = 840, kEnergy = 1000;
   constexpr int kPress = 300, kSlide = 400;  // ticks
@@ -49,7 +49,7 @@ Groove grooveOf(double voxel, double push) {
 }
 
 // Measured: 0.9 % off the law at most, as the factor on areas follows the start of a cut within 0.15 s. Without that
-// factor it is 2.9 %. Ledger and mesh measure the same cells, and differ by 0.1 %.
+// factor: 2.9 %. Ledger and mesh measure the same cells, and differ by 0.1 %.
 void expectLaw(const Groove& groove, double voxel, double push) {
   const testing::Message scene = testing::Message() << "voxels of " << voxel << " mm, pushed by " << push << " mm";
   ASSERT_GT(groove.law, 0.05) << scene;
@@ -75,10 +75,10 @@ TEST(RemovalLaw, HoldsWhateverTheForce) {
     for (const double push : {0.5, 2.0, 4.0}) expectLaw(grooveOf(voxel, push), voxel, push);
 }
 
-// A ball that is pushed straight into a block, from 0.3 to 0.7 mm deep. Pressure goes with the cosine of the slope, so
-// its shape says that the load is 1.5 (1 - c^2) / (1 - c^3) times the hand's force, c the cosine at the rim.
+// A ball pushed straight into a block, from 0.3 to 0.7 mm deep. Pressure is proportional to the cosine of the slope, so
+// by its shape the load is 1.5 (1 - c^2) / (1 - c^3) times the hand's force, c the cosine at the rim.
 struct Plunge {
-  double load = 0, of_shape = 0;  // N s: the load, and by the hand's force and the shape
+  double load = 0, of_shape = 0;  // N s: the load, and its prediction from the hand's force and the shape
 };
 Plunge plungeOf(double voxel, double force) {
   constexpr double kRadius = 0.8;
@@ -111,8 +111,8 @@ Plunge plungeOf(double voxel, double force) {
   return out;
 }
 
-// Measured: 1.5 and 1.9 % short at 0.05 mm (3.1 and 3.5 at 0.1 mm), as the tissue's normals lean at the lip.
-// With the tool balanced by the overlap that an evaluation leaves, not by its mean, it is 5.2 and 5.6 %.
+// Measured: 1.5 and 1.9 % short at 0.05 mm (3.1 and 3.5 at 0.1 mm), as the tissue's normals tilt at the lip. With the
+// tool balanced by the overlap after an evaluation instead of its mean, it is 5.2 and 5.6 %.
 TEST(RemovalLaw, TheHandsForceReachesTheTissue) {
   for (const double force : {0.5, 2.0}) {
     const Plunge plunge = plungeOf(0.05, force);

@@ -42,7 +42,7 @@ class EachResponse : public testing::TestWithParam<Way> {
   Attachment attachment() const { return model().settings.attachment(); }
   bool toolIsTheDevice() const { return attachment() == Attachment::kFixed; }
   bool isProxy() const { return attachment() == Attachment::kProxy; }
-  // Contact points hold the tool at the skin. A response without them lets it overlap as deep as its force wants.
+  // Contact points hold the tool at the surface. A response without them lets it overlap in proportion to its force.
   bool hasSkin() const { return rowOf(GetParam().response).direct != Attachment::kFixed; }
 };
 
@@ -54,7 +54,7 @@ TEST_P(EachResponse, GivesNothingInTheAir) {
   state.objects.emplace_back(block({6, 6, 2}, 0.1));
   StepOutput out;
   for (int n = 0; n < 600; ++n) {
-    // Still, then to and fro, one voxel above the block.
+    // At rest, then to and fro, one voxel above the block.
     const double x = n < 200 ? 0 : 2 * std::sin(0.02 * (n - 200));
     step(m, state, sampleAt(at(x, 0, 0.1)), out);
     ASSERT_EQ(out.contact.force.norm(), 0) << n;
@@ -110,7 +110,7 @@ TEST_P(EachResponse, AHandAMillimetreDeepIsPushedByTheCoupling) {
     if (!hasSkin()) continue;
     EXPECT_NEAR(out.force.force[2], 1, 0.02);
     EXPECT_LT(out.deepest, contactSkin(voxel) + 1e-3);
-    // What the nearest node says of the ball's lowest point: up to a voxel's half diagonal from it.
+    // Error of the nearest node at the ball's lowest point: up to a voxel's half diagonal.
     EXPECT_LT(depth, contactSkin(voxel) + 0.5 * voxel * voxel / (2 * 0.5));
   }
 }
@@ -120,7 +120,7 @@ TEST_P(EachResponse, SlidesSmoothlyOverABall) {
   const auto ball = scenes::practiceSphere(center, 5, 0.05);
   ASSERT_TRUE(ball);
   Model m = model(0);
-  m.settings.coupling.force_rate = 1e6;  // what the law itself does
+  m.settings.coupling.force_rate = 1e6;  // the law itself
   m.settings.ramp_s = 0;
   State state;
   state.objects.emplace_back(*ball, 64);
@@ -129,7 +129,7 @@ TEST_P(EachResponse, SlidesSmoothlyOverABall) {
   double jump = 0, least = 1e9, most = 0;
   Vec3d last = Vec3d::Zero();
 
-  // From above down to the depth, then 3 mm at 10 mm/s.
+  // Down to the depth from above, then 3 mm at 10 mm/s.
   for (int n = 0; n < 800; ++n) {
     const double down = std::min(1.0, n / 300.0), a = (-1.5 + 0.01 * std::max(n - 500, 0)) / 5;
     const Vec3d way = Vec3d(std::sin(a), 0.1 * a, std::cos(a)).normalized();
@@ -171,7 +171,7 @@ TEST_P(EachResponse, CutsAsTheLawSaysTheSameBitsTwice) {
 
   double law = 0;
   const std::uint64_t first = run(&law);
-  // Impulses come in bursts, and some ask for more than there is of overlap.
+  // Impulses come in bursts, and some exceed the available overlap.
   EXPECT_NEAR(law, 1, GetParam().response == Response::kImpulse ? 0.15 : 0.05);
   EXPECT_EQ(run(&law), first);
 }
@@ -200,8 +200,8 @@ TEST_P(EachResponse, ASessionIsReplayedBitForBit) {
   EXPECT_GT(again->removed_mm3, 0.01);
 }
 
-// Walls on both sides, an edge at either end: a blade 0.5 mm deep in its kerf, cut with the hand 2 mm beyond it at
-// most.
+// Walls on both sides, an edge at either end: a blade 0.5 mm deep in its kerf, cut with the hand at most 2 mm beyond
+// it.
 TEST_P(EachResponse, ABladeCutsItsKerfAndIsHeldInIt) {
   if (toolIsTheDevice()) GTEST_SKIP() << "no coupling";
   const auto file = findToolFile("saw-reciprocating-25", defaultToolFolders());
@@ -286,7 +286,7 @@ TEST(Response, ALogThatDoesNotNameItIsOfThePenaltyLaw) {
   ASSERT_TRUE(restoreSettings(log, "a.log", again, start));
   EXPECT_EQ(again.settings.response, Response::kPenalty);
 
-  // A machine's tool cannot be held back.
+  // Contact cannot hold back a machine's tool.
   log.header.emplace_back("response", "1");
   set("rendering", "2");
   EXPECT_FALSE(restoreSettings(log, "a.log", again, start));
@@ -295,7 +295,7 @@ TEST(Response, ALogThatDoesNotNameItIsOfThePenaltyLaw) {
   EXPECT_FALSE(restoreSettings(log, "a.log", again, start));
 }
 
-// Thrown at a flat with 100 mm/s by a coupling that hardly holds it.
+// Thrown at a flat with 100 mm/s by a weak coupling.
 TEST(Response, AnImpulseGivesBackWhatRestitutionSays) {
   for (const double restitution : {0.0, 0.5, 1.0}) {
     Model m;
@@ -327,7 +327,7 @@ TEST_P(EachResponse, WildHandsGetAFiniteForceWithinItsLimit) {
   DeviceSample sample;
   int touching = 0;
   for (int n = 0; n < 1500; ++n) {
-    // Somewhere else every now and then, any way up; near the surface in between.
+    // Occasional jumps to another place and attitude; near the surface in between.
     if (n % 40 == 0) {
       sample.T_world_device.translation = Vec3d(2 * far(random), far(random), far(random));
       sample.T_world_device.rotation =
@@ -362,7 +362,7 @@ TEST(Response, ErosionScaleGivesTheLoadBack) {
   for (const double x : {1e-6, 0.01, 0.2, 1.0, 3.0, 8.0})
     for (const double load : {0.01, 0.3, 0.9}) {
       const double still = 0.7, now = still * mean(x);
-      const double wanted = load * still / x;  // of what would take all of the overlap
+      const double wanted = load * still / x;  // share of the load that would remove all overlap
       EXPECT_NEAR(relaxationRate(now, still), x, 1e-6 + 1e-6 * x);
       const double s = erosionScale(wanted, x, still);
       EXPECT_NEAR(s * still * mean(s * x) / wanted, 1, 1e-4) << x << " " << load;
@@ -372,7 +372,7 @@ TEST(Response, ErosionScaleGivesTheLoadBack) {
   EXPECT_EQ(erosionScale(0, 1, 1), 0);
   EXPECT_EQ(erosionScale(1, 1, 0), 0);
   EXPECT_NEAR(erosionScale(2, 0, 0.5), 4, 1e-9);  // a tool that hardly cuts
-  EXPECT_LT(erosionScale(1e9, 0.7, 0.7), 10);     // not everything can be taken
+  EXPECT_LT(erosionScale(1e9, 0.7, 0.7), 10);     // some overlap must remain
 }
 
 TEST(ContactLoads, HoldAtEveryPointAndPullAtNone) {
@@ -393,7 +393,7 @@ TEST(ContactLoads, HoldAtEveryPointAndPullAtNone) {
   ContactLoads::Row least{};
   for (int n = 0; n < points.size(); ++n) {
     EXPECT_LT(points[n].gap, 0);
-    EXPECT_GT(points[n].normal[2], 0.75);  // far from the ball's foot half the ball's own
+    EXPECT_GT(points[n].normal[2], 0.75);  // far from the ball's foot, half the ball's own
     if (n > 0) {
       EXPECT_GE(points[n].gap, points[n - 1].gap);
     }

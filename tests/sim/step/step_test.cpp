@@ -86,9 +86,10 @@ TEST(Step, InTheAirTheHandFeelsNothing) {
     EXPECT_EQ(out.touching, 0);
     if (n > 100) most = std::max(most, out.force.force.norm());
   }
-  // A virtual tool of 20 g, thrown to and fro, is felt: its inertia, some hundredths of a newton at these 60 m/s^2.
+  // The hand feels the inertia of a virtual tool of 20 g, moved to and fro: some hundredths of a newton at these 60
+  // m/s^2.
   EXPECT_LT(most, 0.1);
-  // At constant speed nothing is.
+  // At constant speed there is no force.
   for (int n = 0; n < 1000; ++n) {
     step(model, state, sampleAt({Eigen::Quaterniond::Identity(), {-2 + 0.005 * n, 0, 0.1}}), out);
     if (n > 300) {
@@ -156,8 +157,8 @@ TEST(Step, AStillToolDoesNotCut) {
   EXPECT_EQ(state.objects[0].bricks().changedField().brickCount(), 0u);
 }
 
-// A flat end of 5 mm^2 overlaps by many newtons in the millisecond in which it lands. What stops it is its momentum
-// over that time, and that is what is told.
+// A flat end of 5 mm^2 overlaps by many newtons in the millisecond of its landing. Its momentum over that time is the
+// force that stops it, and the reported force.
 TEST(Step, TheForceOnAToolThatLandsIsWhatStopsIt) {
   const auto file = findToolFile("909-040", defaultToolFolders());
   ASSERT_TRUE(file);
@@ -236,7 +237,7 @@ TEST(Step, ABadSampleStopsForceAndCuttingUntilCleared) {
   }
 }
 
-// Clockwise seen from the shank: pressed with its -x side, a bur climbs towards ... where its own surface pushes off.
+// Clockwise seen from the shank: a bur pressed with its -x side climbs against the motion of its own surface.
 TEST(Step, ASpinningBurPushesItselfAlong) {
   Model model;
   model.tools = {practiceBall(0.8, 0)};
@@ -259,7 +260,7 @@ TEST(Step, ASpinningBurPushesItselfAlong) {
   EXPECT_NEAR(out.contact.torque[2], out.drive_load, 0.1 * out.drive_load);
 }
 
-// The speed of a bur, its side pressed to a wall for two seconds.
+// The speed of a bur with its side pressed to a wall for two seconds.
 double speedPressed(double force, const char* handpiece) {
   const auto file = findToolFile("856-016", defaultToolFolders());
   EXPECT_TRUE(file);
@@ -296,7 +297,7 @@ TEST(Step, AnElectricDriveHoldsItsSpeed) {
 }
 
 TEST(Step, AFaceThatLooksAwayDoesNotPushTheToolThrough) {
-  // A thin plate with the ball's middle beyond it: nodes of the far side would push on.
+  // A thin plate with the ball's middle beyond it: nodes of the far side would push it onwards.
   Model model;
   model.tools = {practiceBall(0.5, 840)};
   model.tissues = oneTissue(200, 0, 1000);

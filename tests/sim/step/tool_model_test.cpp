@@ -1,4 +1,4 @@
-// What drives a tool: its file's numbers, and the mean speed of what goes to and fro.
+// The drive of a tool: its file's numbers, and the mean speed of a reciprocating motion.
 #include "sim/step/tool_model.h"
 
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@ Tool toolOf(const std::string& text) {
 
 TEST(ToolModel, MeanSpeedIsThatOfAnyMotionThereAndBack) {
   constexpr double kStroke = 3, kFrequency = 187;
-  // By its definition, for a crank's sine, for a cam that dwells at the ends, and for a motion that is slow one way.
+  // By its definition, for a crank's sine, for a cam that dwells at the ends, and for a motion with one slow direction.
   const auto sine = [](double phase) { return 0.5 * kStroke * std::sin(2 * kPi * phase); };
   const auto dwelling = [&](double phase) { return kStroke * std::clamp(std::sin(2 * kPi * phase), -0.5, 0.5); };
   const auto uneven = [](double phase) { return kStroke * (phase < 0.8 ? phase / 0.8 : (1 - phase) / 0.2); };
@@ -41,7 +41,7 @@ TEST(ToolModel, MeanSpeedIsThatOfAnyMotionThereAndBack) {
   EXPECT_NEAR(mean(sine), meanSpeed(kStroke, kFrequency), 1e-4);
   EXPECT_NEAR(mean(dwelling), meanSpeed(kStroke, kFrequency), 1e-4);
   EXPECT_NEAR(mean(uneven), meanSpeed(kStroke, kFrequency), 1e-4);
-  // In the middle of a crank's stroke a tooth is pi / 2 times as fast.
+  // In the middle of a crank's stroke, a tooth is pi / 2 times the mean speed.
   const double fastest = (sine(1e-6) - sine(-1e-6)) / 2e-6 * kFrequency;
   EXPECT_NEAR(fastest / meanSpeed(kStroke, kFrequency), kPi / 2, 1e-6);
 }
@@ -105,13 +105,13 @@ TEST(ToolModel, AHandpieceOfTheFileTurnsTheTool) {
     EXPECT_EQ(drive.stall_load, row.stall_Nmm) << row.name;
     EXPECT_NE(describeDrive(tool).find("(from the tool's file: handpiece)"), std::string::npos) << describeDrive(tool);
   }
-  // Its numbers, where the file has its own.
+  // Its numbers, if the file has them.
   const ToolDrive own = driveOf(toolOf(kBur + "[drive]\nhandpiece = \"electric\"\nstall_torque_Nmm = 3\n"));
   EXPECT_EQ(own.stall_load, 3);
   EXPECT_EQ(own.form, DriveForm::kGoverned);
 }
 
-// Both have the shape of a drill. What cuts with its point alone is turned slowly; a bone cutter would hardly cut.
+// Both have the shape of a drill. A tool that cuts only with its point turns slowly; a bone cutter would hardly cut.
 TEST(ToolModel, ADrillIsTurnedByAnImplantMotorABoneCutterByAStraightHandpiece) {
   const std::string drill = kHead +
                             "kind = \"bur\"\nshape = \"drill\"\nhead_diameter = 2\nhead_length = 9\npoint_angle = 118\n"
