@@ -46,15 +46,14 @@ bool flatMeets(const Mesh& mesh, std::uint32_t flat, std::uint32_t other) {
   return CGAL::do_intersect(CrossingKernel::Segment_3(point(mesh.vertices[a]), point(mesh.vertices[b])), proper);
 }
 
-}  // namespace
+using Pairs = std::vector<std::array<std::uint32_t, 2>>;
 
-std::vector<std::array<std::uint32_t, 2>> crossingPairs(const Mesh& mesh, std::size_t stop_after) {
-  std::vector<std::array<std::uint32_t, 2>> pairs;
-  for (const auto& [i, j] : selfIntersections(mesh.vertices, mesh.triangles, stop_after)) pairs.push_back({i, j});
+/// Adds the pairs of triangles without area: with themselves and with each proper triangle they meet.
+/// @param is_wanted  asked for each pair.
+template <class IsWanted>
+void addFlatPairs(const Mesh& mesh, const IsWanted& is_wanted, std::size_t stop_after, Pairs& pairs) {
   const std::vector<std::uint32_t> flat = degenerateTriangles(mesh.vertices, mesh.triangles);
-  if (flat.empty()) return pairs;
-
-  // Each triangle without area against every proper one.
+  if (flat.empty()) return;
   std::vector<char> is_flat(mesh.triangles.size(), 0);
   for (const std::uint32_t t : flat) is_flat[t] = 1;
   const auto boxOf = [&](std::uint32_t t) {
@@ -62,35 +61,51 @@ std::vector<std::array<std::uint32_t, 2>> crossingPairs(const Mesh& mesh, std::s
     for (int k = 0; k < 3; ++k) box.add(mesh.corner(t, k));
     return box;
   };
-
-  std::vector<std::uint32_t> proper;
   std::vector<Box3> boxes;
-  for (std::uint32_t t = 0; t < is_flat.size(); ++t) {
-    if (is_flat[t]) continue;
-    proper.push_back(t);
-    boxes.push_back(boxOf(t));
-  }
+  for (const std::uint32_t t : flat) boxes.push_back(boxOf(t));
   const BoxTree tree(std::move(boxes));
 
-  std::vector<std::vector<std::uint32_t>> met(flat.size());
+  constexpr std::size_t kGrain = 4096;
+  std::vector<Pairs> met((mesh.triangles.size() + kGrain - 1) / kGrain);
   std::atomic<std::size_t> found = pairs.size();
-  tbb::parallel_for(std::size_t{0}, flat.size(), [&](std::size_t k) {
-    const Box3 box = boxOf(flat[k]);
+  const auto meetFlats = [&](std::uint32_t t, Pairs& out) {
+    const Box3 box = boxOf(t);
     tree.visit([&](const Box3& node) { return overlap(node, box); },
                [&](std::uint32_t n) {
-                 if (overlap(tree.boxes()[n], box) && flatMeets(mesh, flat[k], proper[n])) {
-                   met[k].push_back(proper[n]);
+                 if (is_wanted(flat[n], t) && overlap(tree.boxes()[n], box) && flatMeets(mesh, flat[n], t)) {
+                   out.push_back({std::min(flat[n], t), std::max(flat[n], t)});
                    ++found;
                  }
                  return found <= stop_after;
                });
+  };
+  tbb::parallel_for(std::size_t{0}, met.size(), [&](std::size_t block) {
+    const std::size_t end = std::min((block + 1) * kGrain, mesh.triangles.size());
+    for (std::size_t t = block * kGrain; t < end; ++t)
+      if (!is_flat[t]) meetFlats(static_cast<std::uint32_t>(t), met[block]);
   });
 
-  for (std::size_t k = 0; k < flat.size(); ++k) {
-    pairs.push_back({flat[k], flat[k]});
-    for (const std::uint32_t t : met[k]) pairs.push_back({std::min(flat[k], t), std::max(flat[k], t)});
-  }
+  for (const std::uint32_t t : flat)
+    if (is_wanted(t, t)) pairs.push_back({t, t});
+  for (const Pairs& some : met) pairs.insert(pairs.end(), some.begin(), some.end());
   std::sort(pairs.begin(), pairs.end());
+}
+
+}  // namespace
+
+std::vector<std::array<std::uint32_t, 2>> crossingPairs(const Mesh& mesh, std::size_t stop_after) {
+  Pairs pairs;
+  for (const auto& [i, j] : selfIntersections(mesh.vertices, mesh.triangles, stop_after)) pairs.push_back({i, j});
+  addFlatPairs(
+      mesh, [](std::uint32_t, std::uint32_t) { return true; }, stop_after, pairs);
+  return pairs;
+}
+
+std::vector<std::array<std::uint32_t, 2>> crossingPairsOf(const Mesh& mesh, const std::vector<char>& chosen) {
+  Pairs pairs;
+  for (const auto& [i, j] : selfIntersectionsOf(mesh.vertices, mesh.triangles, chosen)) pairs.push_back({i, j});
+  const auto isWanted = [&](std::uint32_t s, std::uint32_t t) { return chosen[s] != 0 || chosen[t] != 0; };
+  addFlatPairs(mesh, isWanted, kAllPairs, pairs);
   return pairs;
 }
 

@@ -15,8 +15,12 @@ namespace kerf {
 /// @return sorted pairs (i <= j). Exact; deterministic.
 /// @param stop_after  as in selfIntersections(): with more pairs the result is incomplete, and its selection may
 /// differ.
-/// @cost   as selfIntersections(), plus a search in a tree of boxes per triangle without area. @thread any; uses all
+/// @cost   as selfIntersections(), plus a search in a tree of the triangles without area. @thread any; uses all
 /// TBB threads.
 std::vector<std::array<std::uint32_t, 2>> crossingPairs(const Mesh& mesh, std::size_t stop_after = kAllPairs);
+
+/// The pairs of crossingPairs() with a chosen triangle in them.   @param chosen  per triangle.
+/// @cost  as selfIntersectionsOf(): little where few are chosen.
+std::vector<std::array<std::uint32_t, 2>> crossingPairsOf(const Mesh& mesh, const std::vector<char>& chosen);
 
 }  // namespace kerf

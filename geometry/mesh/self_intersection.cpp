@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 
 namespace kerf {
 namespace {
@@ -261,6 +262,37 @@ void pairsOfGroup(const Tree& tree, std::span<const Vec3d> vertices, std::span<c
   }
 }
 
+// The triangles with area, in order.
+std::vector<std::uint32_t> properTriangles(std::span<const Vec3d> vertices, std::span<const Triangle> triangles) {
+  std::vector<std::uint32_t> out;
+  out.reserve(triangles.size());
+  const std::vector<std::uint32_t> flat = degenerateTriangles(vertices, triangles);
+  for (std::size_t t = 0, f = 0; t < triangles.size(); ++t)
+    if (f < flat.size() && flat[f] == t)
+      ++f;
+    else
+      out.push_back(static_cast<std::uint32_t>(t));
+  return out;
+}
+
+// Appends the pairs of triangle `t` with those of the tree. Two triangles of the tree are one pair: that of the larger.
+void pairsOfTriangle(const Tree& tree, std::span<const Vec3d> vertices, std::span<const Triangle> triangles,
+                     std::uint32_t t, bool is_in_tree, std::vector<Pair>& out) {
+  const Box box = boxOf(vertices, triangles[t]);
+  const auto visit = [&](const auto& self, std::size_t level, std::size_t index) -> void {
+    if (!tree.level[level][index].overlaps(box)) return;
+    if (level > 0) {
+      const std::size_t last = std::min(4 * index + 4, tree.level[level - 1].size());
+      for (std::size_t child = 4 * index; child < last; ++child) self(self, level - 1, child);
+      return;
+    }
+    const std::uint32_t s = tree.triangle[index];
+    if (s == t || (is_in_tree && s > t)) return;
+    if (meet(vertices, triangles[s], triangles[t])) out.emplace_back(std::min(s, t), std::max(s, t));
+  };
+  visit(visit, tree.level.size() - 1, 0);
+}
+
 }  // namespace
 
 std::vector<std::uint32_t> degenerateTriangles(std::span<const Vec3d> vertices, std::span<const Triangle> triangles) {
@@ -285,15 +317,7 @@ std::vector<std::uint32_t> degenerateTriangles(std::span<const Vec3d> vertices, 
 
 std::vector<Pair> selfIntersections(std::span<const Vec3d> vertices, std::span<const Triangle> triangles,
                                     std::size_t stop_after) {
-  std::vector<std::uint32_t> active;
-  active.reserve(triangles.size());
-  const std::vector<std::uint32_t> flat = degenerateTriangles(vertices, triangles);
-  for (std::size_t t = 0, f = 0; t < triangles.size(); ++t)
-    if (f < flat.size() && flat[f] == t)
-      ++f;
-    else
-      active.push_back(static_cast<std::uint32_t>(t));
-
+  const std::vector<std::uint32_t> active = properTriangles(vertices, triangles);
   std::vector<Pair> pairs;
   if (active.size() < 2 || stop_after == 0) return pairs;
   const Tree tree = buildTree(vertices, triangles, active);
@@ -316,6 +340,26 @@ std::vector<Pair> selfIntersections(std::span<const Vec3d> vertices, std::span<c
 
   std::sort(pairs.begin(), pairs.end());
   if (pairs.size() > stop_after) pairs.resize(stop_after);
+  return pairs;
+}
+
+std::vector<Pair> selfIntersectionsOf(std::span<const Vec3d> vertices, std::span<const Triangle> triangles,
+                                      std::span<const char> chosen) {
+  const std::vector<std::uint32_t> proper = properTriangles(vertices, triangles);
+  std::vector<std::uint32_t> few;
+  std::copy_if(proper.begin(), proper.end(), std::back_inserter(few), [&](std::uint32_t t) { return chosen[t] != 0; });
+  std::vector<Pair> pairs;
+  if (few.empty()) return pairs;
+  const Tree tree = buildTree(vertices, triangles, few);
+
+  constexpr std::size_t kGrain = 4096;
+  std::vector<std::vector<Pair>> found((proper.size() + kGrain - 1) / kGrain);
+  tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t block) {
+    for (std::size_t i = block * kGrain; i < std::min((block + 1) * kGrain, proper.size()); ++i)
+      pairsOfTriangle(tree, vertices, triangles, proper[i], chosen[proper[i]] != 0, found[block]);
+  });
+  for (const std::vector<Pair>& some : found) pairs.insert(pairs.end(), some.begin(), some.end());
+  std::sort(pairs.begin(), pairs.end());
   return pairs;
 }
 
