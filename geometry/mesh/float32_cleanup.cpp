@@ -68,10 +68,16 @@ class TrianglesAround {
 class Cleaner {
  public:
   Cleaner(Mesh& mesh, const std::vector<char>& fixed)
-      : mesh_(mesh), fixed_(fixed), alive_(mesh.triangles.size(), 1), around_(mesh), focus_(alive_) {}
+      : mesh_(mesh),
+        fixed_(fixed),
+        alive_(mesh.triangles.size(), 1),
+        around_(mesh),
+        focus_(alive_),
+        changed_(alive_.size(), 0) {}
 
   CleanupReport report;
   const std::vector<char>& alive() const { return alive_; }
+  const std::vector<char>& changed() const { return changed_; }
   void focusOn(std::vector<char> faces) { focus_ = std::move(faces); }
 
   void collapseShort(double length) {
@@ -156,6 +162,7 @@ class Cleaner {
       const Vec3d to = roundedToFloat(mesh_.vertices[v] + move);
       report.largest_move_mm = std::max(report.largest_move_mm, (to - mesh_.vertices[v]).norm());
       mesh_.vertices[v] = to;
+      for (const std::uint32_t t : around_[v]) changed_[t] = 1;
       ++report.relaxed;
     }
   }
@@ -215,6 +222,7 @@ class Cleaner {
       for (std::uint32_t& w : mesh_.triangles[t])
         if (w == u) w = v;
       around_.change(v).push_back(t);
+      changed_[t] = 1;
     }
     around_.change(u).clear();
     ++report.collapsed;
@@ -244,6 +252,7 @@ class Cleaner {
     detach(a, other);
     mesh_.triangles[t] = {a, d, c};
     mesh_.triangles[other] = {d, b, c};
+    changed_[t] = changed_[other] = 1;
     around_.change(d).push_back(t);
     around_.change(c).push_back(other);
     return true;
@@ -262,7 +271,7 @@ class Cleaner {
   const std::vector<char>& fixed_;
   std::vector<char> alive_;
   TrianglesAround around_;
-  std::vector<char> focus_;
+  std::vector<char> focus_, changed_;
 };
 
 /// Drops dead triangles and the vertices without one.
@@ -299,10 +308,21 @@ void compact(Mesh& mesh, const std::vector<char>& alive, std::vector<char>& fixe
   if (tag) tag->resize(faces);
 }
 
+/// Of each triangle: whether one of its corners is free.
+std::vector<char> freeOnes(const Mesh& mesh, const std::vector<char>& fixed) {
+  std::vector<char> out(mesh.triangles.size());
+  for (std::size_t t = 0; t < out.size(); ++t) {
+    const Triangle& f = mesh.triangles[t];
+    out[t] = !fixed[f[0]] || !fixed[f[1]] || !fixed[f[2]];
+  }
+  return out;
+}
+
 }  // namespace
 
 Expected<CleanupReport> cleanUpForFloat32(Mesh& mesh, std::vector<char>& fixed_vertex,
-                                          std::vector<std::uint32_t>* face_tag, double length_mm) {
+                                          std::vector<std::uint32_t>* face_tag, double length_mm,
+                                          FixedPart fixed_part) {
   if (fixed_vertex.size() != mesh.vertices.size() || (face_tag && face_tag->size() != mesh.triangles.size()))
     return badInput({}, "clean-up labels that do not fit the mesh", "one flag per vertex and one tag per triangle");
 
@@ -318,6 +338,9 @@ Expected<CleanupReport> cleanUpForFloat32(Mesh& mesh, std::vector<char>& fixed_v
     mesh.vertices[v] = r;
   }
 
+  // Triangles that may cross another one: no two others do.
+  const bool is_known = fixed_part == FixedPart::kFreeOfCrossings && total.fixed_moved == 0;
+  std::vector<char> suspect = is_known ? freeOnes(mesh, fixed_vertex) : std::vector<char>(mesh.triangles.size(), 1);
   const auto pass = [&](double length, std::vector<char> focus, bool relax) {
     Cleaner cleaner(mesh, fixed_vertex);
     if (!focus.empty()) cleaner.focusOn(std::move(focus));
@@ -331,19 +354,26 @@ Expected<CleanupReport> cleanUpForFloat32(Mesh& mesh, std::vector<char>& fixed_v
     total.relaxed += cleaner.report.relaxed;
     total.largest_move_mm = std::max(total.largest_move_mm, cleaner.report.largest_move_mm);
     compact(mesh, cleaner.alive(), fixed_vertex, face_tag);
+
+    std::size_t left = 0;
+    for (std::size_t t = 0; t < suspect.size(); ++t)
+      if (cleaner.alive()[t]) suspect[left++] = suspect[t] || cleaner.changed()[t];
+    suspect.resize(left);
   };
 
   pass(length_mm, {}, false);
-  auto pairs = crossingPairs(mesh);
+  auto pairs = is_known ? crossingPairsOf(mesh, suspect) : crossingPairs(mesh);
   for (double length = length_mm; !pairs.empty() && total.targeted_rounds < kMaxRounds; ++total.targeted_rounds) {
     length *= 1.6;
     std::vector<char> focus(mesh.triangles.size(), 0);
     for (const auto& [i, j] : pairs) focus[i] = focus[j] = 1;
+    suspect = focus;
     pass(length, std::move(focus), total.targeted_rounds >= 2);
-    pairs = crossingPairs(mesh);
+    pairs = crossingPairsOf(mesh, suspect);
   }
 
   total.crossings_left = pairs.size();
+  total.pairs_left = std::move(pairs);
   return total;
 }
 

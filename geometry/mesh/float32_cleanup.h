@@ -1,6 +1,7 @@
 // Rounds a closed mesh to single precision and keeps it valid, without moving fixed vertices.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -16,7 +17,14 @@ struct CleanupReport {
   int targeted_rounds = 0;         ///< rounds that worked on crossing pairs only
   double largest_move_mm = 0;      ///< largest move of a moved or merged vertex, rounding included
   std::size_t crossings_left = 0;  ///< pairs of triangles that still meet where they should not (crossingPairs)
-  std::size_t fixed_moved = 0;     ///< fixed vertices not representable in float32, and so rounded
+  std::vector<std::array<std::uint32_t, 2>> pairs_left{};  ///< these pairs
+  std::size_t fixed_moved = 0;  ///< fixed vertices not representable in float32, and so rounded
+};
+
+/// What the caller knows of the triangles all of whose corners are fixed.
+enum class FixedPart {
+  kMayCross,
+  kFreeOfCrossings,  ///< no two of them cross: they come from an exact arrangement. Spares most of the search
 };
 
 /// Rounds a closed 2-manifold to float32 coordinates and repairs the damage. The recipe, measured on 823 exports: (a)
@@ -34,8 +42,9 @@ struct CleanupReport {
 /// @param length_mm     e.g. 1e-3 (0.01 voxel); at most 2.6 times as much in (c) rounds 1-2, 43 times in round 8.
 /// @return counts; `crossings_left` has the remaining crossings. Errors: sizes that do not fit, non-finite coordinates.
 /// Vertices and triangles keep their order; vertices no triangle uses are dropped unless fixed.
-/// @cost about 65-100 ms and one crossingPairs() per 60k triangles. @thread any; deterministic.
+/// @cost about 65-100 ms per 60k triangles, and one crossingPairs(); see FixedPart. @thread any; deterministic.
 Expected<CleanupReport> cleanUpForFloat32(Mesh& mesh, std::vector<char>& fixed_vertex,
-                                          std::vector<std::uint32_t>* face_tag, double length_mm);
+                                          std::vector<std::uint32_t>* face_tag, double length_mm,
+                                          FixedPart fixed_part = FixedPart::kMayCross);
 
 }  // namespace kerf
