@@ -61,13 +61,16 @@ class Graph {
     at_.resize(2 * edges_.size());
     std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
     for (std::uint32_t e = 0; e < edges_.size(); ++e) {
-      at_[next[edges_[e].a]++] = e;
-      at_[next[edges_[e].b]++] = e;
+      const Edge& edge = edges_[e];
+      at_[next[edge.a]++] = {edge.length, edge.b, e};
+      at_[next[edge.b]++] = {edge.length, edge.a, e};
     }
   }
 
   // The shortest walks through `root` that bound nothing, up to a length.
   std::vector<ShortLoop> loopsThrough(std::uint32_t root, double longest) const {
+    // No edge whose walk is as short as this has an end farther from the root than half of it.
+    const double longest_walk = longest * 4;
     std::vector<double> distance(first_.size() - 1, kInfinity);
     std::vector<std::uint32_t> by(distance.size(), kNoEdge);  // edge towards the root
     using Item = std::pair<double, std::uint32_t>;
@@ -78,31 +81,39 @@ class Graph {
       const auto [d, v] = queue.top();
       queue.pop();
       if (d > distance[v]) continue;
+      if (2 * d > longest_walk) break;
       for (std::uint32_t i = first_[v]; i < first_[v + 1]; ++i) {
-        const Edge& e = edges_[at_[i]];
-        const std::uint32_t w = e.a == v ? e.b : e.a;
-        if (!(d + e.length < distance[w])) continue;
-        distance[w] = d + e.length;
-        by[w] = at_[i];
-        queue.push({distance[w], w});
+        const Way& way = at_[i];
+        if (!(d + way.length < distance[way.to])) continue;
+        distance[way.to] = d + way.length;
+        by[way.to] = way.edge;
+        queue.push({distance[way.to], way.to});
       }
     }
 
-    // Edges outside of the tree, those of the longest walks first.
+    // Edges outside of the tree, those of the longest walks first. The order only matters among the short walks. Far
+    // from the root the tree is not known: it does not part the triangles there, so that any edge joins them.
+    DisjointSets sets(triangles_);
     std::vector<std::pair<double, std::uint32_t>> rest;
     for (std::uint32_t e = 0; e < edges_.size(); ++e) {
       const Edge& edge = edges_[e];
-      if (distance[edge.a] == kInfinity || by[edge.a] == e || by[edge.b] == e) continue;
-      rest.push_back({distance[edge.a] + distance[edge.b] + edge.length, e});
+      const double a = distance[edge.a], b = distance[edge.b], walk_length = a + b + edge.length;
+      if (2 * std::max(a, b) > longest_walk)
+        sets.join(edge.triangles[0], edge.triangles[1]);
+      else if (by[edge.a] == e || by[edge.b] == e || walk_length == kInfinity)
+        continue;
+      else if (walk_length > longest_walk)
+        sets.join(edge.triangles[0], edge.triangles[1]);
+      else
+        rest.push_back({walk_length, e});
     }
     std::sort(rest.begin(), rest.end(), [](const auto& x, const auto& y) {
       return x.first != y.first ? x.first > y.first : x.second < y.second;
     });
 
-    DisjointSets sets(triangles_);
     std::vector<ShortLoop> out;
     for (const auto& [length, e] : rest) {
-      if (sets.join(edges_[e].triangles[0], edges_[e].triangles[1]) || length > longest * 4) continue;
+      if (sets.join(edges_[e].triangles[0], edges_[e].triangles[1])) continue;
       ShortLoop loop = walk(e, by);
       if (loop.length <= longest && loop.vertices.size() >= 3) out.push_back(std::move(loop));
     }
@@ -143,9 +154,15 @@ class Graph {
     return loop;
   }
 
+  struct Way {
+    double length;
+    std::uint32_t to, edge;
+  };
+
   std::size_t triangles_;
   std::vector<Edge> edges_;
-  std::vector<std::uint32_t> first_, at_;  // edges at vertex v: at_[first_[v] .. first_[v + 1])
+  std::vector<std::uint32_t> first_;
+  std::vector<Way> at_;  // from vertex v: at_[first_[v] .. first_[v + 1])
 };
 
 struct RingPoint {
@@ -222,6 +239,7 @@ std::vector<ShortLoop> shortLoops(const Mesh& solid, double longest_mm, const Pr
   });
 
   std::vector<ShortLoop> out;
+  const RayWinding rays(solid);
   for (ShortLoop& loop : found) {
     const bool is_known = std::any_of(out.begin(), out.end(), [&](const ShortLoop& other) {
       return std::any_of(loop.vertices.begin(), loop.vertices.end(), [&](std::uint32_t v) {
@@ -229,7 +247,8 @@ std::vector<ShortLoop> shortLoops(const Mesh& solid, double longest_mm, const Pr
       });
     });
     if (is_known) continue;
-    loop.is_tunnel = windingNumber(solid, loop.middle) < 0.5;
+    const auto winding = rays.at(loop.middle, [](std::uint32_t) { return false; });
+    loop.is_tunnel = (winding ? *winding : windingNumber(solid, loop.middle)) < 0.5;
     out.push_back(std::move(loop));
   }
   return out;
