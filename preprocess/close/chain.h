@@ -24,6 +24,7 @@ struct Chain {
   Mesh mesh;                          ///< float32 coordinates, no two vertices equal
   std::vector<std::uint32_t> source;  ///< per triangle: imported triangle or kAdded
   std::uint32_t source_vertices = 0;  ///< vertices below this index come from the import, in its order
+  int handles = 0;                    ///< handlesOf() the import, before its boundary was closed
   double open_mm = 0;  ///< openLength() of the import, welded and stitched, before any of its triangles was dropped
 
   std::uint32_t addVertex(const Vec3d& p);

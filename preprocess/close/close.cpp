@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <span>
 
 #include "geometry/mesh/crossing_pairs.h"
@@ -124,10 +125,21 @@ std::vector<char> wholeOnes(const Mesh& imported, const Result& r) {
   return out;
 }
 
+/// The solid around a part of it.
+struct Surroundings {
+  std::vector<char> has_vertex;  ///< of a triangle outside of the part
+  double volume_mm3 = 0;         ///< of the whole solid
+  bool meets(const Triangle& f) const {
+    return std::any_of(f.begin(), f.end(), [&](std::uint32_t v) { return v < has_vertex.size() && has_vertex[v]; });
+  }
+};
+
 /// Drops splinters and pockets left by cutting: small pieces with a triangle that is not whole in the source.
 /// @param is_whole  wholeOnes(), before the separation of touching parts, which cuts nothing; triangles it halves come
 /// last.
-void dropDebris(Result& r, const std::vector<char>& is_whole, const CloseOptions& options, CloseReport& report) {
+/// @param more      the solid around `r` if `r` is a part of one.
+void dropDebris(Result& r, const std::vector<char>& is_whole, const CloseOptions& options, CloseReport& report,
+                const Surroundings* more = nullptr) {
   const Pieces pieces = edgeConnectedPieces(r.mesh);
   if (pieces.count < 2) return;
   std::vector<double> volume(pieces.count, 0);
@@ -139,6 +151,11 @@ void dropDebris(Result& r, const std::vector<char>& is_whole, const CloseOptions
     volume[pieces.label[t]] += v;
     total += v;
     if (t < is_whole.size() && !is_whole[t]) made[pieces.label[t]] = 1;
+  }
+  if (more) {
+    total = more->volume_mm3;
+    for (std::size_t t = 0; t < r.mesh.triangles.size(); ++t)
+      if (more->meets(r.mesh.triangles[t])) made[pieces.label[t]] = 0;
   }
 
   std::size_t count = 0;
@@ -232,9 +249,10 @@ void separateParts(const Mesh& imported, const Chain& chain, std::vector<Vec3d>&
 }
 
 /// Lets the fixed vertices around crossings move; returns where they are.
-std::vector<Vec3d> freeAroundCrossings(const Mesh& mesh, std::vector<char>& fixed) {
+std::vector<Vec3d> freeAroundCrossings(const Mesh& mesh, const std::vector<std::array<std::uint32_t, 2>>& pairs,
+                                       std::vector<char>& fixed) {
   std::vector<char> hot(mesh.vertices.size(), 0);
-  for (const auto& [i, j] : crossingPairs(mesh))
+  for (const auto& [i, j] : pairs)
     for (const std::uint32_t t : {i, j})
       for (const std::uint32_t v : mesh.triangles[t]) hot[v] = 1;
   std::vector<Vec3d> freed;
@@ -261,16 +279,18 @@ std::size_t countMoved(const std::vector<Vec3d>& places, const Mesh& mesh) {
 /// Rounds all but the fixed vertices to float32; where that is not enough, a few source vertices as well.
 Expected<void> roundNewVertices(Result& r, std::vector<char>& fixed, const CloseOptions& options, CloseReport& report,
                                 const Progress& progress) {
-  KERF_TRY(cleaned, cleanUpForFloat32(r.mesh, fixed, &r.source, options.cleanup_length_mm));
-  CleanupReport last = cleaned;
+  const auto clean = [&] {
+    return cleanUpForFloat32(r.mesh, fixed, &r.source, options.cleanup_length_mm, FixedPart::kFreeOfCrossings);
+  };
+  KERF_TRY(last, clean());
   std::vector<Vec3d> freed;
   for (int round = 0; round < 3 && last.crossings_left; ++round) {
     if (!kerf::report(progress, 0.85 + 0.05 * round, "rounding again")) return cancelled();
     // Only fixed vertices remain: frees the few around the remaining crossings.
-    const std::vector<Vec3d> more = freeAroundCrossings(r.mesh, fixed);
+    const std::vector<Vec3d> more = freeAroundCrossings(r.mesh, last.pairs_left, fixed);
     freed.insert(freed.end(), more.begin(), more.end());
-    KERF_TRY(again, cleanUpForFloat32(r.mesh, fixed, &r.source, options.cleanup_length_mm));
-    last = again;
+    KERF_TRY(again, clean());
+    last = std::move(again);
   }
 
   if (!freed.empty()) {
@@ -430,17 +450,26 @@ CloseOptions fitted(const CloseOptions& asked, const Mesh& mesh, CloseReport& re
   return o;
 }
 
-/// The promise of closeMesh(), checked on the result and not on the way to it.
-Expected<void> verify(const Mesh& mesh) {
+Error unverified(std::string broken) {
+  return makeError(Error::Code::kGeometry, std::move(broken), "a verified solid",
+                   "--close wrap, or repair the mesh in a mesh editor");
+}
+
+Expected<void> verifyButCrossings(const Mesh& mesh) {
   std::string broken;
   if (!internal::isClosedManifold(mesh)) broken = "a surface that is not a closed 2-manifold";
   for (const Vec3d& p : mesh.vertices)
     if (p != roundedToFloat(p)) broken = "a coordinate that is no float32 number";
   if (broken.empty() && !(signedVolume(mesh) > 0)) broken = "a solid without volume";
-  if (broken.empty() && !crossingPairs(mesh).empty()) broken = "a surface that crosses itself";
   if (broken.empty()) return {};
-  return fail(makeError(Error::Code::kGeometry, broken, "a verified solid",
-                        "--close wrap, or repair the mesh in a mesh editor"));
+  return fail(unverified(broken));
+}
+
+/// Checks the promise of closeMesh() on the result.
+Expected<void> verify(const Mesh& mesh) {
+  KERF_CHECK(verifyButCrossings(mesh));
+  if (!crossingPairs(mesh).empty()) return fail(unverified("a surface that crosses itself"));
+  return {};
 }
 
 bool wraps(const CloseOptions& o) {
@@ -493,31 +522,153 @@ Expected<Result> makeWrap(const Chain& chain, const CloseOptions& options, Close
   return std::move(wrapped);
 }
 
+/// Adds the triangles that share a vertex with the set, `rings` times, and then at vertices through which the border
+/// of the set runs twice, until there are none.
+void growAround(const Mesh& mesh, int rings, std::vector<char>& is_in) {
+  std::vector<char> at(mesh.vertices.size(), 0);
+  const auto addAround = [&] {
+    for (std::size_t t = 0; t < is_in.size(); ++t)
+      for (const std::uint32_t v : mesh.triangles[t]) is_in[t] |= at[v];
+  };
+  for (int ring = 0; ring < rings; ++ring) {
+    for (std::size_t t = 0; t < is_in.size(); ++t)
+      if (is_in[t])
+        for (const std::uint32_t v : mesh.triangles[t]) at[v] = 1;
+    addAround();
+  }
+
+  for (bool is_simple = false; !is_simple;) {
+    std::vector<Triangle> inner;
+    for (std::size_t t = 0; t < is_in.size(); ++t)
+      if (is_in[t]) inner.push_back(mesh.triangles[t]);
+    std::vector<int> open(mesh.vertices.size(), 0);
+    internal::forEachEdge(internal::edgeUses(inner), [&](std::span<const internal::EdgeUse> uses) {
+      if (uses.size() != 1) return;
+      ++open[uses[0].a];
+      ++open[uses[0].b];
+    });
+    is_simple = std::none_of(open.begin(), open.end(), [](int n) { return n > 2; });
+    for (std::size_t v = 0; v < at.size(); ++v) at[v] = open[v] > 2;
+    if (!is_simple) addAround();
+  }
+}
+
+/// The whole with the replaced triangles exchanged for `changed`, in the order of a cut of the whole.
+/// @param changed  its vertices begin with those of the whole. Its `source` are triangles of the whole, ascending.
+/// Exception: triangles of the separation of touching parts, at the end.   @param is_new  per triangle: is of
+/// `changed`.
+Result replaced(const Chain& whole, const std::vector<char>& is_replaced, const Result& changed,
+                std::vector<char>& is_new) {
+  Result out;
+  out.mesh.vertices = changed.mesh.vertices;
+  out.mesh.vertex_colors = changed.mesh.vertex_colors;
+  const auto add = [&](const Mesh& from, std::size_t t, std::size_t source) {
+    out.mesh.triangles.push_back(from.triangles[t]);
+    out.source.push_back(whole.source[source]);
+    is_new.push_back(&from == &changed.mesh);
+    if (from.hasFaceColors()) out.mesh.face_colors.push_back(from.face_colors[t]);
+  };
+  std::size_t next = 0;
+  for (std::size_t t = 0; t < is_replaced.size(); ++t) {
+    if (!is_replaced[t]) add(whole.mesh, t, t);
+    for (; next < changed.source.size() && changed.source[next] == t; ++next) add(changed.mesh, next, t);
+  }
+  for (; next < changed.source.size(); ++next) add(changed.mesh, next, changed.source[next]);
+  std::vector<char> unused(out.mesh.vertices.size(), 1);
+  compact(out.mesh, unused);
+  return out;
+}
+
+/// The union of a verified solid with a plug, as by makeExact(), but computed on the triangles around the plug only.
+/// None if there is no union, or if vertices of the solid would have to move.
+std::optional<Result> withPlug(const Mesh& imported, const Result& solid, const Mesh& plug, double volume_mm3,
+                               const CloseOptions& options, CloseReport& report, const Progress& progress) {
+  Chain whole{.mesh = solid.mesh,
+              .source = solid.source,
+              .source_vertices = static_cast<std::uint32_t>(solid.mesh.vertices.size())};
+  addPlug(whole, plug);
+  std::vector<char> is_near(whole.mesh.triangles.size(), 0);
+  std::fill(is_near.begin() + static_cast<std::ptrdiff_t>(solid.mesh.triangles.size()), is_near.end(), 1);
+  auto pairs = crossingPairsOf(whole.mesh, is_near);
+  if (pairs.empty()) return {};
+  for (const auto& [i, j] : pairs) is_near[i] = is_near[j] = 1;
+  constexpr int kRings = 3;  // rounded vertices lie in the first ring, their surroundings in the second
+  growAround(whole.mesh, kRings, is_near);
+
+  Surroundings more{std::vector<char>(whole.mesh.vertices.size(), 0), volume_mm3};
+  Mesh part;
+  part.vertices = whole.mesh.vertices;
+  std::vector<std::uint32_t> in_whole, in_part(is_near.size());
+  for (std::uint32_t t = 0; t < is_near.size(); ++t) {
+    const Triangle& f = whole.mesh.triangles[t];
+    in_part[t] = static_cast<std::uint32_t>(in_whole.size());
+    if (is_near[t]) {
+      in_whole.push_back(t);
+      part.triangles.push_back(f);
+    } else {
+      for (const std::uint32_t v : f) more.has_vertex[v] = 1;
+    }
+  }
+  for (auto& [i, j] : pairs) {
+    i = in_part[i];
+    j = in_part[j];
+  }
+
+  auto arrangement = internal::arrangeChain(part, pairs, progress);
+  if (!arrangement) return {};
+  for (std::uint32_t& t : arrangement->parent) t = in_whole[t];
+  for (std::vector<std::uint32_t>& twins : arrangement->twins)
+    for (std::uint32_t& t : twins) t = in_whole[t];
+  const auto kept = internal::keepWindingBoundary(whole.mesh, *arrangement, progress);
+  if (!kept) return {};
+  for (std::size_t t = 0; t < kept->keep.size(); ++t)
+    if (!kept->keep[t] && more.meets(arrangement->triangles[t])) return {};
+
+  std::vector<Vec3d> normals;
+  Result r = assemble(whole, *arrangement, kept->keep, normals);
+  const std::vector<char> is_whole = wholeOnes(imported, r);
+  std::size_t count = 0;
+  for (std::size_t t = 0; t < kept->keep.size(); ++t)
+    if (kept->keep[t]) r.source[count++] = arrangement->parent[t];
+  std::vector<char> fixed(r.mesh.vertices.size(), 0);
+  std::fill(fixed.begin(), fixed.begin() + static_cast<std::ptrdiff_t>(whole.mesh.vertices.size()), 1);
+  separateParts(imported, whole, normals, r, fixed, report);
+  dropDebris(r, is_whole, options, report, &more);
+  if (!roundNewVertices(r, fixed, options, report, progress)) return {};
+  const bool is_moved = r.mesh.vertices.size() < whole.mesh.vertices.size() ||
+                        !std::equal(whole.mesh.vertices.begin(), whole.mesh.vertices.end(), r.mesh.vertices.begin());
+  if (is_moved) return {};
+  std::vector<char> is_new;
+  Result out = replaced(whole, is_near, r, is_new);
+  if (!crossingPairsOf(out.mesh, is_new).empty()) return {};
+  return out;
+}
+
 /// Plugs the pinholes caused by a base, and cuts the threads. A plug stays if the solid then has one hole less, and
-/// loses no more of the scan. Unites each plug with the current solid: only the few triangles around it cross.
+/// loses no more of the scan. Unites each plug with the current solid.
 /// @param handles  of the scan.
-void plugPinholes(const Mesh& imported, const CloseOptions& options, int handles, Result& result, CloseReport& report,
-                  const Progress& progress) {
+Expected<void> plugPinholes(const Mesh& imported, const CloseOptions& options, int handles, Result& result,
+                            CloseReport& report, const Progress& progress) {
   constexpr double kLongest = 4;  // mm around
   constexpr int kMostTries = 24;
   int now = handlesOf(result.mesh), tries = 0;
-  if (now <= handles) return;
+  if (now <= handles) return {};
   const int first = now;
   const Mesh solid = result.mesh;  // the loops are numbers of its vertices
   const std::size_t lost = lostPlaces(imported, solid).size();
+  double volume = signedVolume(solid);
 
   const auto helps = [&](const internal::ShortLoop& loop, bool is_left) {
     const Mesh plug = internal::plugOf(solid, loop, is_left);
     if (plug.triangles.empty()) return false;
-    const auto vertices = static_cast<std::uint32_t>(result.mesh.vertices.size());
-    Chain work{.mesh = result.mesh, .source = result.source, .source_vertices = vertices};
     CloseReport unused;
-    const bool nested = internal::turnPieces(work, unused);
-    addPlug(work, plug);
-    Expected<Result> r = makeExact(imported, work, nested, options, unused, progress);
-    if (!r || handlesOf(r->mesh) >= now || lostPlaces(imported, r->mesh).size() > lost) return false;
-    now = handlesOf(r->mesh);
+    std::optional<Result> r = withPlug(imported, result, plug, volume, options, unused, progress);
+    if (!r) return false;
+    const int then = handlesOf(r->mesh);
+    if (then >= now || lostPlaces(imported, r->mesh).size() > lost || !verifyButCrossings(r->mesh)) return false;
+    now = then;
     result = std::move(*r);
+    volume = signedVolume(result.mesh);
     report.vertices_moved += unused.vertices_moved;
     report.largest_move_mm = std::max(report.largest_move_mm, unused.largest_move_mm);
     return true;
@@ -537,11 +688,13 @@ void plugPinholes(const Mesh& imported, const CloseOptions& options, int handles
       if (now <= handles || !isOfTheBase(loop) || ++tries > kMostTries) break;
       if (helps(loop, is_left)) break;
     }
-  if (now == first) return;
+  if (now == first) return {};
+  KERF_CHECK(verify(result.mesh));
 
   report.pinholes_mended = static_cast<std::size_t>(first - now);
   report.changes.push_back(counted(report.pinholes_mended, "pinhole", "pinholes") +
                            (first - now == 1 ? " that the base made was mended" : " that the base made were mended"));
+  return {};
 }
 
 /// One attempt from the imported mesh, without a fallback. Leaves `chain` closed, or open after a failure.
@@ -554,7 +707,7 @@ Expected<Result> attempt(const Mesh& imported, const CloseOptions& options, Chai
         makeError(Error::Code::kEmpty, "a mesh whose triangles all have no area or cancel each other", "a surface"));
 
   if (!kerf::report(progress, 0.1, "closing")) return cancelled();
-  const int handles = wraps(options) ? 0 : handlesOf(chain.mesh);
+  chain.handles = wraps(options) ? 0 : handlesOf(chain.mesh);
   Chain closed = chain;
   KERF_CHECK(internal::closeBoundary(closed, options, report, progress));
   chain = std::move(closed);
@@ -571,7 +724,7 @@ Expected<Result> attempt(const Mesh& imported, const CloseOptions& options, Chai
   if (!r) return r;
   report = std::move(exact);
   if (report.rims_extruded > 0 && options.base_smoothing_mm > 0)
-    plugPinholes(imported, options, handles, *r, report, progress);
+    KERF_CHECK(plugPinholes(imported, options, chain.handles, *r, report, progress));
   return r;
 }
 
@@ -667,12 +820,7 @@ Expected<Solid> closeMesh(const Mesh& imported_mm, const CloseOptions& options, 
   KERF_TRY(result, makeSolid(imported_mm, fit, chain, report, progress));
   dropMadeCrumbs(imported_mm, fit, result, report);
 
-  int handles = 0;
-  if (report.rims_extruded > 0) {
-    CloseReport unused;
-    if (const auto welded = internal::buildChain(imported_mm, fit, unused)) handles = handlesOf(welded->mesh);
-  }
-  internal::reportLosses(imported_mm, result.mesh, handles, lengthScale(imported_mm), report);
+  internal::reportLosses(imported_mm, result.mesh, chain.handles, lengthScale(imported_mm), report);
   internal::Judgement judgement = internal::judgeSolid(imported_mm, result.mesh, report, &chain);
   if (judgement.refusal && !options.accept_doubtful) return fail(std::move(*judgement.refusal));
   for (std::string& note : judgement.notes) report.changes.push_back(std::move(note));

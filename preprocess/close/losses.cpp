@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <map>
 #include <numeric>
+#include <span>
 
 #include "preprocess/close/chain.h"
 #include "preprocess/close/edges.h"
+#include "preprocess/close/orient.h"
 #include "preprocess/close/pinholes.h"
 
 namespace kerf::internal {
@@ -37,14 +39,6 @@ void countLost(const Mesh& imported, const Mesh& solid, double scale, CloseRepor
   report.vertices_lost_far = std::min(far, report.vertices_lost);
   // Which of them were trimmed is not known any more, and a wrap has none of them.
   if (report.exact && report.vertices_trimmed == 0) report.lost_at = heapsOf(lost, kTogether * scale);
-}
-
-int handlesOf(const std::vector<Triangle>& triangles, std::size_t vertices, std::size_t pieces) {
-  std::size_t edges = 0;
-  forEachEdge(edgeUses(triangles), [&](const auto&) { ++edges; });
-  const auto boundaries = static_cast<long>(boundaryLoops(triangles).size());
-  const long euler = static_cast<long>(vertices) - static_cast<long>(edges) + static_cast<long>(triangles.size());
-  return static_cast<int>(static_cast<long>(pieces) - (euler + boundaries) / 2);
 }
 
 /// Where to look: the finest holes first; where no hole is found, the thread of material beside one.
@@ -124,8 +118,20 @@ int handlesOf(const Mesh& mesh) {
   std::vector<char> used(mesh.vertices.size(), 0);
   for (const Triangle& f : mesh.triangles)
     for (const std::uint32_t v : f) used[v] = 1;
-  const auto vertices = static_cast<std::size_t>(std::count(used.begin(), used.end(), 1));
-  return handlesOf(mesh.triangles, vertices, edgeConnectedPieces(mesh).count);
+  const auto vertices = std::count(used.begin(), used.end(), 1);
+
+  const std::vector<EdgeUse> all = edgeUses(mesh.triangles);
+  long edges = 0;
+  bool is_open = false;
+  forEachEdge(all, [&](std::span<const EdgeUse> uses) {
+    ++edges;
+    const auto forth = std::count_if(uses.begin(), uses.end(), [](const EdgeUse& use) { return use.forth; });
+    is_open = is_open || 2 * static_cast<std::size_t>(forth) != uses.size();
+  });
+  const auto pieces = static_cast<long>(piecesOf(mesh.triangles.size(), all).count);
+  const auto boundaries = is_open ? static_cast<long>(boundaryLoops(mesh.triangles).size()) : 0;
+  const long euler = static_cast<long>(vertices) - edges + static_cast<long>(mesh.triangles.size());
+  return static_cast<int>(pieces - (euler + boundaries) / 2);
 }
 
 void reportLosses(const Mesh& imported, const Mesh& solid, int handles_before, double scale, CloseReport& report) {
