@@ -13,8 +13,8 @@
 #include "geometry/formats/mesh_writer.h"
 #include "preprocess/demo/demo_anatomy.h"
 #include "preprocess/demo/demo_molar.h"
-#include "sim/run/export_bundle.h"
-#include "sim/run/geometry_cut.h"
+#include "sim/run/cut/geometry_cut.h"
+#include "sim/run/export/export_bundle.h"
 
 namespace kerf::cli {
 namespace {

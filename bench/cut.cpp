@@ -6,7 +6,7 @@
 
 #include "bench/bench.h"
 #include "geometry/tool/tool_shape.h"
-#include "sim/run/sweep_cutter.h"
+#include "sim/run/sweep/sweep_cutter.h"
 
 namespace kerf::cli {
 namespace {

@@ -9,10 +9,10 @@
 #include "bench/device_stack.h"
 #include "bench/scenes/practice_block.h"
 #include "bridges/simulated/arm_simulator.h"
-#include "sim/device/bridge_device.h"
+#include "sim/device/arm/bridge_device.h"
 #include "sim/hand/device_profile.h"
 #include "sim/live/haptic_thread.h"
-#include "sim/run/load_scene.h"
+#include "sim/run/scene/load_scene.h"
 
 namespace kerf::cli {
 namespace {

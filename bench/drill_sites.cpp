@@ -18,7 +18,7 @@
 #include "bench/scenes/poses.h"
 #include "bench/scenes/practice_block.h"
 #include "bench/spread.h"
-#include "sim/run/load_scene.h"
+#include "sim/run/scene/load_scene.h"
 
 namespace kerf::cli {
 namespace {

@@ -17,7 +17,7 @@
 #include "bench/spread.h"
 #include "sim/hand/virtual_hand.h"
 #include "sim/monitor/monitor.h"
-#include "sim/run/load_scene.h"
+#include "sim/run/scene/load_scene.h"
 
 namespace kerf::cli {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "bench/bench.h"
 #include "sim/live/haptic_thread.h"
-#include "sim/run/replay.h"
+#include "sim/run/report/replay.h"
 
 namespace kerf::cli {
 

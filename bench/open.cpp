@@ -7,7 +7,7 @@
 #include "preprocess/bake/bake.h"
 #include "preprocess/demo/demo_anatomy.h"
 #include "sim/object/cut_object.h"
-#include "sim/run/load_scene.h"
+#include "sim/run/scene/load_scene.h"
 
 namespace kerf::cli {
 namespace {

@@ -8,7 +8,7 @@
 #include "bench/scenes/poses.h"
 #include "bench/scenes/practice_block.h"
 #include "sim/pieces/pieces.h"
-#include "sim/run/load_scene.h"
+#include "sim/run/scene/load_scene.h"
 #include "sim/step/step.h"
 
 namespace kerf::cli {

@@ -15,8 +15,8 @@
 #include "sim/live/haptic_thread.h"
 #include "sim/live/mesher_thread.h"
 #include "sim/object/overlay_field.h"
-#include "sim/run/load_scene.h"
-#include "sim/run/replay.h"
+#include "sim/run/report/replay.h"
+#include "sim/run/scene/load_scene.h"
 
 namespace kerf::cli {
 namespace {

@@ -17,7 +17,7 @@
 #include "bench/scenes/practice_block.h"
 #include "bench/scenes/sink.h"
 #include "bench/spread.h"
-#include "sim/run/load_scene.h"
+#include "sim/run/scene/load_scene.h"
 
 namespace kerf::cli {
 namespace {

@@ -18,7 +18,7 @@
 #include "bench/scenes/sink.h"
 #include "bench/spread.h"
 #include "geometry/formats/mesh_writer.h"
-#include "sim/run/load_scene.h"
+#include "sim/run/scene/load_scene.h"
 
 namespace kerf::cli {
 namespace {

@@ -16,8 +16,8 @@
 #include "preprocess/demo/demo_anatomy.h"
 #include "sim/live/haptic_thread.h"
 #include "sim/live/mesher_thread.h"
-#include "sim/run/load_scene.h"
-#include "sim/run/replay.h"
+#include "sim/run/report/replay.h"
+#include "sim/run/scene/load_scene.h"
 #include "sim/session/command.h"
 
 namespace kerf::cli {

@@ -10,7 +10,7 @@
 #include "preprocess/demo/demo_anatomy.h"
 #include "sim/hand/virtual_hand.h"
 #include "sim/live/remesher.h"
-#include "sim/run/load_scene.h"
+#include "sim/run/scene/load_scene.h"
 
 namespace kerf::cli {
 namespace {

@@ -16,7 +16,7 @@
 #include <system_error>
 #include <thread>
 
-#include "sim/device/device_driver.h"
+#include "sim/device/hid/device_driver.h"
 
 namespace kerf {
 namespace {

@@ -7,7 +7,7 @@
 
 #include <memory>
 
-#include "sim/device/device_frame.h"
+#include "sim/device/frame/device_frame.h"
 #include "sim/hand/virtual_hand.h"
 #include "sim/live/time_histogram.h"
 

@@ -14,7 +14,7 @@
 #include <thread>
 
 #include "bridges/simulated/arm_simulator.h"
-#include "sim/device/arm_opener.h"
+#include "sim/device/record/arm_opener.h"
 #include "sim/hand/device_profile.h"
 #include "sim/hand/path.h"
 

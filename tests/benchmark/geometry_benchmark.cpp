@@ -5,7 +5,7 @@
 #include "geometry/field/marching_cubes.h"
 #include "geometry/mesh/self_intersection.h"
 #include "geometry/tool/sweep.h"
-#include "sim/run/sweep_cutter.h"
+#include "sim/run/sweep/sweep_cutter.h"
 #include "tests/geometry/ball_mesh.h"
 
 namespace kerf {

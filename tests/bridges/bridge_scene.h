@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "bridges/kerf_link.h"
-#include "sim/device/bridge_device.h"
+#include "sim/device/arm/bridge_device.h"
 #include "tests/sim/device/force_scene.h"
 
 namespace kerf::test {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <thread>
 
-#include "sim/device/device_frame.h"
+#include "sim/device/frame/device_frame.h"
 
 namespace kerf::kerf_link_test {
 namespace {

@@ -1,6 +1,6 @@
 // Reports of HID arms with length prefixes, for each driver.
-#include "sim/device/device_driver.h"
-#include "sim/device/raw_arm.h"
+#include "sim/device/arm/raw_arm.h"
+#include "sim/device/hid/device_driver.h"
 #include "tests/fuzz/harness.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

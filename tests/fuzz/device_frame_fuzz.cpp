@@ -1,5 +1,5 @@
 // Datagrams from and to a bridge.
-#include "sim/device/device_frame.h"
+#include "sim/device/frame/device_frame.h"
 #include "tests/fuzz/harness.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,7 +1,7 @@
 // Recordings of devices.
 #include <string_view>
 
-#include "sim/device/device_recording.h"
+#include "sim/device/record/device_recording.h"
 #include "tests/fuzz/harness.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,7 +1,7 @@
 // Device reports with length prefixes, for each driver of a device with axes.
 #include <cmath>
 
-#include "sim/device/device_driver.h"
+#include "sim/device/hid/device_driver.h"
 #include "tests/fuzz/harness.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

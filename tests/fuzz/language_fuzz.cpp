@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "tests/fuzz/file_harness.h"
-#include "ui/app/language.h"
+#include "ui/app/base/language.h"
 
 // The bytes are a language file. Looks up the lines of the same bytes in the result.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

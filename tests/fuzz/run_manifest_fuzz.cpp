@@ -1,4 +1,4 @@
-#include "sim/run/run_manifest.h"
+#include "sim/run/files/run_manifest.h"
 #include "tests/fuzz/file_harness.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

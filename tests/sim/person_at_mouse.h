@@ -13,7 +13,7 @@
 #include "geometry/tool/tool_file.h"
 #include "preprocess/bake/bake.h"
 #include "sim/hand/mouse_hand.h"
-#include "sim/run/live_run.h"
+#include "sim/run/session/live_run.h"
 #include "tests/sim/haptic_scene.h"
 #include "tests/support/open_block.h"
 #include "tests/support/temporary_folder.h"

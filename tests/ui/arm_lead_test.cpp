@@ -1,6 +1,6 @@
 // The window's force-feedback arm, without a window: a simulated arm behind a bridge leads the workbench's tool,
 // through datagrams, mailboxes and the haptic thread. Frame stamps measure the duration of a force.
-#include "ui/app/arm_lead.h"
+#include "ui/app/session/arm_lead.h"
 
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -15,13 +15,13 @@
 
 #include "bridges/simulated/arm_simulator.h"
 #include "geometry/formats/mesh_writer.h"
-#include "sim/device/bridge_device.h"
-#include "sim/device/device_driver.h"
-#include "sim/run/replay.h"
+#include "sim/device/arm/bridge_device.h"
+#include "sim/device/hid/device_driver.h"
+#include "sim/run/report/replay.h"
 #include "tests/support/open_block.h"
 #include "tests/support/temporary_folder.h"
-#include "ui/app/app_commands.h"
-#include "ui/app/app_script.h"
+#include "ui/app/commands/app_commands.h"
+#include "ui/app/script/app_script.h"
 
 namespace kerf::arm_lead_test {
 namespace {

@@ -11,8 +11,8 @@
 #include "geometry/formats/mesh_writer.h"
 #include "tests/support/open_block.h"
 #include "tests/support/temporary_folder.h"
-#include "ui/app/pointing.h"
-#include "ui/app/stroke_pointer.h"
+#include "ui/app/commands/pointing.h"
+#include "ui/app/hand/stroke_pointer.h"
 
 namespace kerf::test {
 

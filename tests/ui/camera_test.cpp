@@ -1,4 +1,4 @@
-#include "ui/app/camera.h"
+#include "ui/app/view/camera.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "ui/app/pointing.h"
+#include "ui/app/commands/pointing.h"
 
 namespace kerf::camera_test {
 namespace {

@@ -10,7 +10,7 @@
 #include <memory>
 #include <thread>
 
-#include "sim/device/raw_arm.h"
+#include "sim/device/arm/raw_arm.h"
 #include "tests/support/hid_testbed.h"
 #include "tests/support/temporary_folder.h"
 

@@ -1,4 +1,4 @@
-#include "ui/app/command_palette.h"
+#include "ui/app/script/command_palette.h"
 
 #include <gtest/gtest.h>
 

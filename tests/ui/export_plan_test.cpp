@@ -1,4 +1,4 @@
-#include "ui/app/export_plan.h"
+#include "ui/app/workbench/export_plan.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -15,9 +15,9 @@
 #include "geometry/mesh/mesh_check.h"
 #include "tests/support/open_block.h"
 #include "tests/support/temporary_folder.h"
-#include "ui/app/app_commands.h"
-#include "ui/app/app_script.h"
-#include "ui/app/quit.h"
+#include "ui/app/commands/app_commands.h"
+#include "ui/app/commands/quit.h"
+#include "ui/app/script/app_script.h"
 
 namespace kerf::export_plan_test {
 namespace {

@@ -14,13 +14,13 @@
 #include "geometry/tool/tool_file.h"
 #include "preprocess/demo/demo_molar.h"
 #include "sim/live/remesher.h"
-#include "sim/run/live_run.h"
-#include "sim/run/load_scene.h"
+#include "sim/run/scene/load_scene.h"
+#include "sim/run/session/live_run.h"
 #include "sim/session/session.h"
 #include "tests/sim/block_scene.h"
-#include "ui/app/live_scene.h"
-#include "ui/app/pointing.h"
-#include "ui/app/stroke.h"
+#include "ui/app/commands/pointing.h"
+#include "ui/app/tool/stroke.h"
+#include "ui/app/view/live_scene.h"
 
 namespace kerf::fissure_test {
 namespace {

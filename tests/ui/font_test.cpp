@@ -1,4 +1,4 @@
-#include "ui/window/font.h"
+#include "ui/window/gl/font.h"
 
 #include <gtest/gtest.h>
 

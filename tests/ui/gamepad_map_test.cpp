@@ -1,4 +1,4 @@
-#include "ui/app/gamepad_map.h"
+#include "ui/app/hand/gamepad_map.h"
 
 #include <gtest/gtest.h>
 

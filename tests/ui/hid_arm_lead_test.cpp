@@ -10,14 +10,14 @@
 #include <thread>
 
 #include "geometry/formats/mesh_writer.h"
-#include "sim/device/force_arm.h"
-#include "sim/run/replay.h"
+#include "sim/device/arm/force_arm.h"
+#include "sim/run/report/replay.h"
 #include "tests/sim/device/simulated_arm.h"
 #include "tests/support/open_block.h"
 #include "tests/support/temporary_folder.h"
-#include "ui/app/app_commands.h"
-#include "ui/app/app_script.h"
-#include "ui/app/arm_lead.h"
+#include "ui/app/commands/app_commands.h"
+#include "ui/app/script/app_script.h"
+#include "ui/app/session/arm_lead.h"
 
 namespace kerf::hid_arm_lead_test {
 namespace {

@@ -1,4 +1,4 @@
-#include "ui/app/import_plan.h"
+#include "ui/app/import/import_plan.h"
 
 #include <gtest/gtest.h>
 
@@ -11,8 +11,8 @@
 #include "tests/geometry/ball_mesh.h"
 #include "tests/support/open_block.h"
 #include "tests/support/temporary_folder.h"
-#include "ui/app/app_commands.h"
-#include "ui/app/app_script.h"
+#include "ui/app/commands/app_commands.h"
+#include "ui/app/script/app_script.h"
 
 namespace kerf::import_plan_test {
 namespace {

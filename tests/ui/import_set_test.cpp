@@ -1,4 +1,4 @@
-#include "ui/app/import_set.h"
+#include "ui/app/import/import_set.h"
 
 #include <gtest/gtest.h>
 
@@ -11,9 +11,9 @@
 #include "tests/preprocess/label_volume_samples.h"
 #include "tests/support/open_block.h"
 #include "tests/support/temporary_folder.h"
-#include "ui/app/app_commands.h"
-#include "ui/app/app_script.h"
-#include "ui/app/import_commands.h"
+#include "ui/app/commands/app_commands.h"
+#include "ui/app/commands/import_commands.h"
+#include "ui/app/script/app_script.h"
 
 namespace kerf::import_set_test {
 namespace {

@@ -9,10 +9,10 @@
 #include "geometry/tool/tool_file.h"
 #include "tests/support/open_block.h"
 #include "tests/support/temporary_folder.h"
-#include "ui/app/app_commands.h"
-#include "ui/app/app_script.h"
-#include "ui/app/import_commands.h"
-#include "ui/app/tool_plan.h"
+#include "ui/app/commands/app_commands.h"
+#include "ui/app/commands/import_commands.h"
+#include "ui/app/import/tool_plan.h"
+#include "ui/app/script/app_script.h"
 
 namespace kerf::import_tool_test {
 namespace {

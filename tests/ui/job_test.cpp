@@ -1,4 +1,4 @@
-#include "ui/app/job.h"
+#include "ui/app/base/job.h"
 
 #include <gtest/gtest.h>
 

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "ui/window/image.h"
+#include "ui/window/gl/image.h"
 
 namespace kerf::kerf_sim_test {
 namespace {

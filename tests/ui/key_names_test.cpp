@@ -1,8 +1,8 @@
-#include "ui/window/key_names.h"
+#include "ui/window/gl/key_names.h"
 
 #include <gtest/gtest.h>
 
-#include "ui/app/app_commands.h"
+#include "ui/app/commands/app_commands.h"
 
 namespace kerf::key_names_test {
 namespace {

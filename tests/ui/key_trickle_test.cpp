@@ -1,4 +1,4 @@
-#include "ui/window/key_trickle.h"
+#include "ui/window/gl/key_trickle.h"
 
 #include <gtest/gtest.h>
 

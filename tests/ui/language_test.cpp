@@ -1,4 +1,4 @@
-#include "ui/app/language.h"
+#include "ui/app/base/language.h"
 
 #include <gtest/gtest.h>
 
@@ -7,9 +7,9 @@
 #include <sstream>
 
 #include "tests/support/temporary_folder.h"
-#include "ui/app/app_commands.h"
-#include "ui/app/command_palette.h"
-#include "ui/app/settings.h"
+#include "ui/app/commands/app_commands.h"
+#include "ui/app/commands/settings.h"
+#include "ui/app/script/command_palette.h"
 
 namespace kerf::language_test {
 namespace {

@@ -14,12 +14,12 @@
 #include <utility>
 
 #include "tests/ui/block_on_bench.h"
-#include "ui/app/language.h"
-#include "ui/app/settings.h"
-#include "ui/window/font.h"
-#include "ui/window/panels.h"
-#include "ui/window/style.h"
-#include "ui/window/widgets.h"
+#include "ui/app/base/language.h"
+#include "ui/app/commands/settings.h"
+#include "ui/window/gl/font.h"
+#include "ui/window/gl/style.h"
+#include "ui/window/gl/widgets.h"
+#include "ui/window/panels/panels.h"
 
 namespace kerf::language_window_test {
 namespace {

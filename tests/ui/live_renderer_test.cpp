@@ -1,5 +1,5 @@
 // The picture of an object during a cut, drawn without a display. Skipped, with a message, if OpenGL is missing.
-#include "ui/window/live_renderer.h"
+#include "ui/window/draw/live_renderer.h"
 
 #include <epoxy/gl.h>
 #include <gtest/gtest.h>
@@ -15,11 +15,11 @@
 #include "geometry/field/sample_field.h"
 #include "sim/live/chunk_occlusion.h"
 #include "tests/ui/picture_compare.h"
-#include "ui/app/mesh_chunks.h"
-#include "ui/app/pointing.h"
-#include "ui/window/gl_context.h"
-#include "ui/window/gl_target.h"
-#include "ui/window/still_picture.h"
+#include "ui/app/commands/pointing.h"
+#include "ui/app/view/mesh_chunks.h"
+#include "ui/window/draw/still_picture.h"
+#include "ui/window/gl/gl_context.h"
+#include "ui/window/gl/gl_target.h"
 
 namespace kerf::live_renderer_test {
 namespace {

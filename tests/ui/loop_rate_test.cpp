@@ -1,4 +1,4 @@
-#include "ui/app/loop_rate.h"
+#include "ui/app/session/loop_rate.h"
 
 #include <gtest/gtest.h>
 

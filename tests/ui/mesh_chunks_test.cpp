@@ -1,4 +1,4 @@
-#include "ui/app/mesh_chunks.h"
+#include "ui/app/view/mesh_chunks.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <set>
 
 #include "tests/geometry/ball_mesh.h"
-#include "ui/app/import_mesh.h"
+#include "ui/app/import/import_mesh.h"
 
 namespace kerf::mesh_chunks_test {
 namespace {

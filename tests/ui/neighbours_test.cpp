@@ -1,5 +1,5 @@
 // A workbench with a work block and another block beside it, 0.3 mm away.
-#include "ui/app/neighbours.h"
+#include "ui/app/session/neighbours.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -8,11 +8,11 @@
 #include "geometry/mesh/mesh_check.h"
 #include "geometry/tool/tool_file.h"
 #include "preprocess/bake/pair.h"
-#include "sim/run/export_bundle.h"
-#include "sim/run/replay.h"
+#include "sim/run/export/export_bundle.h"
+#include "sim/run/report/replay.h"
 #include "tests/ui/block_on_bench.h"
-#include "ui/app/app_script.h"
-#include "ui/app/point_readout.h"
+#include "ui/app/script/app_script.h"
+#include "ui/app/workbench/point_readout.h"
 
 namespace kerf::neighbours_test {
 namespace {

@@ -1,9 +1,9 @@
-#include "ui/window/notices.h"
+#include "ui/window/panels/notices.h"
 
 #include <gtest/gtest.h>
 
-#include "ui/window/import_panel.h"
-#include "ui/window/style.h"
+#include "ui/window/gl/style.h"
+#include "ui/window/panels/import_panel.h"
 
 namespace kerf::notices_test {
 namespace {

@@ -1,11 +1,11 @@
-#include "ui/app/opening.h"
+#include "ui/app/import/opening.h"
 
 #include <gtest/gtest.h>
 
 #include "geometry/formats/mesh_writer.h"
 #include "tests/support/open_block.h"
 #include "tests/support/temporary_folder.h"
-#include "ui/app/upright.h"
+#include "ui/app/view/upright.h"
 
 namespace kerf::opening_test {
 namespace {

@@ -7,7 +7,7 @@
 #pragma once
 
 #include "geometry/base/types.h"
-#include "ui/window/image.h"
+#include "ui/window/gl/image.h"
 
 namespace kerf::test {
 

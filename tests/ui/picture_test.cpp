@@ -9,9 +9,9 @@
 #include <memory>
 #include <numbers>
 
-#include "ui/window/gl_context.h"
-#include "ui/window/image.h"
-#include "ui/window/mesh_picture.h"
+#include "ui/window/draw/mesh_picture.h"
+#include "ui/window/gl/gl_context.h"
+#include "ui/window/gl/image.h"
 
 namespace kerf::picture_test {
 namespace {

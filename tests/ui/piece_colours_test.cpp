@@ -1,5 +1,5 @@
 // Piece colours chosen by the user: a command, the session's files, and the continued session.
-#include "ui/app/piece_colours.h"
+#include "ui/app/view/piece_colours.h"
 
 #include <gtest/gtest.h>
 
@@ -8,11 +8,11 @@
 #include <thread>
 
 #include "geometry/formats/mesh_writer.h"
-#include "sim/run/session_run.h"
+#include "sim/run/session/session_run.h"
 #include "tests/support/open_block.h"
 #include "tests/support/temporary_folder.h"
-#include "ui/app/app_commands.h"
-#include "ui/app/app_script.h"
+#include "ui/app/commands/app_commands.h"
+#include "ui/app/script/app_script.h"
 
 namespace kerf::piece_colours_test {
 namespace {

@@ -1,4 +1,4 @@
-#include "ui/app/piece_gizmo.h"
+#include "ui/app/view/piece_gizmo.h"
 
 #include <gtest/gtest.h>
 

@@ -10,12 +10,12 @@
 #include "tests/support/open_block.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/ui/picture_compare.h"
-#include "ui/app/app_commands.h"
-#include "ui/app/app_script.h"
-#include "ui/app/piece_colours.h"
-#include "ui/app/tissue_display.h"
-#include "ui/window/gl_context.h"
-#include "ui/window/live_view.h"
+#include "ui/app/commands/app_commands.h"
+#include "ui/app/script/app_script.h"
+#include "ui/app/view/piece_colours.h"
+#include "ui/app/view/tissue_display.h"
+#include "ui/window/draw/live_view.h"
+#include "ui/window/gl/gl_context.h"
 
 namespace kerf::piece_picture_test {
 namespace {

@@ -1,4 +1,4 @@
-#include "ui/app/saw_plan.h"
+#include "ui/app/saw/saw_plan.h"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 #include "geometry/tool/tool_file.h"
 #include "tests/sim/block_scene.h"
 #include "tests/support/temporary_folder.h"
-#include "ui/app/saw_clearance.h"
-#include "ui/app/saw_section.h"
+#include "ui/app/saw/saw_clearance.h"
+#include "ui/app/saw/saw_section.h"
 
 namespace kerf::saw_plan_test {
 namespace {

@@ -1,4 +1,4 @@
-#include "ui/app/sawing.h"
+#include "ui/app/workbench/sawing.h"
 
 #include <gtest/gtest.h>
 
@@ -10,13 +10,13 @@
 #include "geometry/formats/mesh_io.h"
 #include "geometry/formats/mesh_writer.h"
 #include "geometry/mesh/mesh_check.h"
-#include "sim/run/replay.h"
+#include "sim/run/report/replay.h"
 #include "tests/support/temporary_folder.h"
-#include "ui/app/app_commands.h"
-#include "ui/app/app_script.h"
-#include "ui/app/pointing.h"
-#include "ui/app/saw_contour.h"
-#include "ui/app/workbench.h"
+#include "ui/app/commands/app_commands.h"
+#include "ui/app/commands/pointing.h"
+#include "ui/app/saw/saw_contour.h"
+#include "ui/app/script/app_script.h"
+#include "ui/app/workbench/workbench.h"
 
 namespace kerf::sawing_test {
 namespace {

@@ -3,8 +3,8 @@
 
 #include "sim/live/scan_colours.h"
 #include "tests/ui/block_on_bench.h"
-#include "ui/app/app_commands.h"
-#include "ui/app/tissue_display.h"
+#include "ui/app/commands/app_commands.h"
+#include "ui/app/view/tissue_display.h"
 
 namespace kerf::scan_colours_on_bench_test {
 namespace {

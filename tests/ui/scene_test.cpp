@@ -1,5 +1,5 @@
 // Display of a run in kerf-sim: tissues on the walls of the cut, and on its section plane.
-#include "ui/app/scene.h"
+#include "ui/app/view/scene.h"
 
 #include <cmath>
 #include <numbers>

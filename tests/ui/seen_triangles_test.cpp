@@ -1,5 +1,5 @@
 // Selection of the triangles that a picture needs, against a slow reference: does any pixel centre lie in the triangle?
-#include "ui/window/seen_triangles.h"
+#include "ui/window/draw/seen_triangles.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "ui/app/show_in_folder.h"
+#include "ui/app/base/show_in_folder.h"
 
 #include <gtest/gtest.h>
 

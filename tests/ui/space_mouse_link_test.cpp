@@ -1,5 +1,5 @@
 // The window's SpaceMouse on a simulated device. Skipped where umockdev is not preloaded.
-#include "ui/app/space_mouse_link.h"
+#include "ui/app/hand/space_mouse_link.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "ui/app/space_mouse_map.h"
+#include "ui/app/hand/space_mouse_map.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "ui/app/stroke_pointer.h"
+#include "ui/app/hand/stroke_pointer.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "tests/ui/block_on_bench.h"
-#include "ui/app/point_readout.h"
+#include "ui/app/workbench/point_readout.h"
 
 namespace kerf::stroke_pointer_test {
 namespace {

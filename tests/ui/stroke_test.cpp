@@ -1,4 +1,4 @@
-#include "ui/app/stroke.h"
+#include "ui/app/tool/stroke.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include "geometry/tool/tool_file.h"
 #include "sim/live/remesher.h"
 #include "tests/sim/block_scene.h"
-#include "ui/app/live_scene.h"
+#include "ui/app/view/live_scene.h"
 
 namespace kerf::stroke_test {
 namespace {

@@ -1,4 +1,4 @@
-#include "ui/app/system_dialog.h"
+#include "ui/app/base/system_dialog.h"
 
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -11,7 +11,7 @@
 #include <thread>
 
 #include "tests/support/temporary_folder.h"
-#include "ui/app/app_commands.h"
+#include "ui/app/commands/app_commands.h"
 
 namespace kerf::system_dialog_test {
 namespace {

@@ -1,4 +1,4 @@
-#include "ui/app/tilt.h"
+#include "ui/app/tool/tilt.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "geometry/tool/tool_file.h"
-#include "sim/run/load_scene.h"
+#include "sim/run/scene/load_scene.h"
 #include "sim/session/session.h"
 #include "tests/sim/block_scene.h"
 

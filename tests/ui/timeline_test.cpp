@@ -1,4 +1,4 @@
-#include "ui/app/timeline.h"
+#include "ui/app/session/timeline.h"
 
 #include <gtest/gtest.h>
 
@@ -8,12 +8,12 @@
 #include <thread>
 
 #include "geometry/formats/mesh_writer.h"
-#include "sim/run/replay.h"
-#include "sim/run/run_manifest.h"
+#include "sim/run/files/run_manifest.h"
+#include "sim/run/report/replay.h"
 #include "tests/support/open_block.h"
 #include "tests/support/temporary_folder.h"
-#include "ui/app/app_script.h"
-#include "ui/app/sawing.h"
+#include "ui/app/script/app_script.h"
+#include "ui/app/workbench/sawing.h"
 
 namespace kerf::timeline_test {
 namespace {

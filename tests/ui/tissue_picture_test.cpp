@@ -18,11 +18,11 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/support/welded_mesh.h"
 #include "tests/ui/picture_compare.h"
-#include "ui/app/app_commands.h"
-#include "ui/app/app_script.h"
-#include "ui/app/tissue_display.h"
-#include "ui/window/gl_context.h"
-#include "ui/window/live_view.h"
+#include "ui/app/commands/app_commands.h"
+#include "ui/app/script/app_script.h"
+#include "ui/app/view/tissue_display.h"
+#include "ui/window/draw/live_view.h"
+#include "ui/window/gl/gl_context.h"
 
 namespace kerf::tissue_picture_test {
 namespace {

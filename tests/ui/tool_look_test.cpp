@@ -1,5 +1,5 @@
 // Tool data for pictures: rows of the rack, the table for tint and shadow; limits of readings.
-#include "ui/app/tool_look.h"
+#include "ui/app/tool/tool_look.h"
 
 #include <gtest/gtest.h>
 
@@ -7,9 +7,9 @@
 #include <cmath>
 
 #include "geometry/tool/tool_file.h"
-#include "ui/app/heat_readings.h"
-#include "ui/app/import_guides.h"
-#include "ui/app/tool_icon.h"
+#include "ui/app/import/import_guides.h"
+#include "ui/app/tool/tool_icon.h"
+#include "ui/app/view/heat_readings.h"
 
 namespace kerf::tool_look_test {
 namespace {

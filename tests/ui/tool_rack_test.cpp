@@ -1,5 +1,5 @@
 // The rack in the window: favourites first, and a file's error in its row.
-#include "ui/app/tool_rack.h"
+#include "ui/app/workbench/tool_rack.h"
 
 #include <algorithm>
 #include <chrono>
@@ -7,8 +7,8 @@
 
 #include "geometry/formats/mesh_writer.h"
 #include "tests/ui/block_on_bench.h"
-#include "ui/app/app_commands.h"
-#include "ui/app/settings.h"
+#include "ui/app/commands/app_commands.h"
+#include "ui/app/commands/settings.h"
 
 namespace kerf::tool_rack_test {
 namespace {

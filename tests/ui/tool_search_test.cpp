@@ -1,4 +1,4 @@
-#include "ui/app/tool_search.h"
+#include "ui/app/tool/tool_search.h"
 
 #include <gtest/gtest.h>
 

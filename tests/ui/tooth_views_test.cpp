@@ -1,4 +1,4 @@
-#include "ui/app/tooth_views.h"
+#include "ui/app/commands/tooth_views.h"
 
 #include <chrono>
 #include <cmath>

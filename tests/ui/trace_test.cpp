@@ -1,4 +1,4 @@
-#include "ui/app/trace.h"
+#include "ui/app/session/trace.h"
 
 #include <gtest/gtest.h>
 

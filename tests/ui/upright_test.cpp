@@ -1,4 +1,4 @@
-#include "ui/app/upright.h"
+#include "ui/app/view/upright.h"
 
 #include <gtest/gtest.h>
 

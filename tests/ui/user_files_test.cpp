@@ -1,4 +1,4 @@
-#include "ui/app/user_files.h"
+#include "ui/app/base/user_files.h"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -7,8 +7,8 @@
 #include <cstdlib>
 
 #include "tests/support/temporary_folder.h"
-#include "ui/app/app_commands.h"
-#include "ui/app/settings.h"
+#include "ui/app/commands/app_commands.h"
+#include "ui/app/commands/settings.h"
 
 namespace kerf::user_files_test {
 namespace {

@@ -11,11 +11,11 @@
 #include "geometry/formats/mesh_writer.h"
 #include "tests/support/open_block.h"
 #include "tests/support/temporary_folder.h"
-#include "ui/app/app_commands.h"
-#include "ui/app/app_script.h"
-#include "ui/app/point_readout.h"
-#include "ui/app/pointing.h"
-#include "ui/app/workbench.h"
+#include "ui/app/commands/app_commands.h"
+#include "ui/app/commands/pointing.h"
+#include "ui/app/script/app_script.h"
+#include "ui/app/workbench/point_readout.h"
+#include "ui/app/workbench/workbench.h"
 
 namespace kerf::workbench_strokes_test {
 namespace {

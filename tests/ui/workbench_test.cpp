@@ -1,4 +1,4 @@
-#include "ui/app/workbench.h"
+#include "ui/app/workbench/workbench.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -17,21 +17,21 @@
 #include "geometry/formats/mesh_writer.h"
 #include "geometry/mesh/mesh_check.h"
 #include "geometry/tool/tool_file.h"
-#include "sim/run/export_bundle.h"
-#include "sim/run/haptic_cut.h"
-#include "sim/run/load_scene.h"
-#include "sim/run/placed_pieces.h"
-#include "sim/run/replay.h"
-#include "sim/run/run_files.h"
+#include "sim/run/cut/haptic_cut.h"
+#include "sim/run/export/export_bundle.h"
+#include "sim/run/export/placed_pieces.h"
+#include "sim/run/files/run_files.h"
+#include "sim/run/report/replay.h"
+#include "sim/run/scene/load_scene.h"
 #include "tests/support/open_block.h"
 #include "tests/support/temporary_folder.h"
-#include "ui/app/app_commands.h"
-#include "ui/app/app_script.h"
-#include "ui/app/point_readout.h"
-#include "ui/app/pointing.h"
-#include "ui/app/scene.h"
-#include "ui/app/settings.h"
-#include "ui/app/tissue_display.h"
+#include "ui/app/commands/app_commands.h"
+#include "ui/app/commands/pointing.h"
+#include "ui/app/commands/settings.h"
+#include "ui/app/script/app_script.h"
+#include "ui/app/view/scene.h"
+#include "ui/app/view/tissue_display.h"
+#include "ui/app/workbench/point_readout.h"
 
 namespace kerf::workbench_test {
 namespace {

@@ -13,7 +13,7 @@
 #include "preprocess/bake/closing_numbers.h"
 #include "preprocess/unit/unit.h"
 #include "sim/hand/path.h"
-#include "ui/app/plane_words.h"
+#include "ui/app/saw/plane_words.h"
 #include "ui/cli/closing_json.h"
 #include "ui/cli/command.h"
 

@@ -14,7 +14,7 @@
 #include "geometry/base/error.h"
 #include "geometry/base/progress.h"
 #include "geometry/base/text.h"
-#include "ui/app/command_line.h"
+#include "ui/app/program/command_line.h"
 
 namespace kerf::cli {
 

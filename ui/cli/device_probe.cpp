@@ -7,9 +7,9 @@
 #include <mutex>
 #include <thread>
 
-#include "sim/device/arm_opener.h"
-#include "sim/device/device_recording.h"
-#include "sim/device/hid_device.h"
+#include "sim/device/hid/hid_device.h"
+#include "sim/device/record/arm_opener.h"
+#include "sim/device/record/device_recording.h"
 #include "ui/cli/command.h"
 #include "ui/cli/device_words.h"
 #include "ui/cli/interruption.h"

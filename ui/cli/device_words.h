@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "sim/device/device_finder.h"
-#include "sim/device/device_frame.h"
+#include "sim/device/frame/device_frame.h"
+#include "sim/device/hid/device_finder.h"
 
 namespace kerf::cli {
 

@@ -3,7 +3,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "sim/device/arm_opener.h"
+#include "sim/device/record/arm_opener.h"
 #include "sim/hand/device_profile.h"
 #include "ui/cli/command.h"
 #include "ui/cli/device_probe.h"

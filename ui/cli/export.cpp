@@ -9,12 +9,12 @@
 #include "geometry/formats/mesh_formats.h"
 #include "geometry/formats/mesh_writer.h"
 #include "geometry/mesh/solids.h"
-#include "sim/run/export_bundle.h"
-#include "sim/run/placed_pieces.h"
-#include "sim/run/run_files.h"
-#include "sim/run/run_manifest.h"
-#include "sim/run/run_report.h"
-#include "sim/run/small_cut.h"
+#include "sim/run/export/export_bundle.h"
+#include "sim/run/export/placed_pieces.h"
+#include "sim/run/files/run_files.h"
+#include "sim/run/files/run_manifest.h"
+#include "sim/run/files/small_cut.h"
+#include "sim/run/report/run_report.h"
 #include "ui/cli/command.h"
 
 namespace kerf::cli {

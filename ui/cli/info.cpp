@@ -11,7 +11,7 @@
 #include "geometry/tool/tool_file.h"
 #include "preprocess/unit/unit.h"
 #include "preprocess/volume/label_volume.h"
-#include "sim/run/run_report.h"
+#include "sim/run/report/run_report.h"
 #include "ui/cli/closing_json.h"
 #include "ui/cli/command.h"
 #include "ui/cli/run_info.h"

@@ -9,8 +9,8 @@
 #include <thread>
 
 #include "geometry/tool/tool_file.h"
-#include "sim/device/arm_opener.h"
-#include "sim/run/live_run.h"
+#include "sim/device/record/arm_opener.h"
+#include "sim/run/session/live_run.h"
 #include "ui/cli/command.h"
 #include "ui/cli/interruption.h"
 

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "geometry/base/build_info.h"
-#include "ui/app/manual.h"
+#include "ui/app/program/manual.h"
 #include "ui/cli/commands.h"
 
 namespace {

@@ -14,12 +14,12 @@
 #include "geometry/formats/mesh_io.h"
 #include "geometry/mesh/ray_hits.h"
 #include "preprocess/unit/unit.h"
-#include "sim/run/export_bundle.h"
-#include "sim/run/run_files.h"
-#include "ui/app/camera.h"
-#include "ui/app/mesh_in_mm.h"
-#include "ui/app/point_readout.h"
-#include "ui/app/upright.h"
+#include "sim/run/export/export_bundle.h"
+#include "sim/run/files/run_files.h"
+#include "ui/app/view/camera.h"
+#include "ui/app/view/mesh_in_mm.h"
+#include "ui/app/view/upright.h"
+#include "ui/app/workbench/point_readout.h"
 #include "ui/cli/command.h"
 
 namespace kerf::cli {

@@ -9,9 +9,9 @@
 #include <optional>
 
 #include "geometry/base/atomic_file.h"
-#include "sim/run/run_chart.h"
-#include "sim/run/run_manifest.h"
-#include "sim/run/run_series.h"
+#include "sim/run/files/run_manifest.h"
+#include "sim/run/report/run_chart.h"
+#include "sim/run/report/run_series.h"
 #include "ui/cli/command.h"
 
 namespace kerf::cli {

@@ -3,9 +3,9 @@
 
 #include <memory>
 
-#include "sim/run/session_run.h"
-#include "ui/app/lost_sessions.h"
-#include "ui/app/user_files.h"
+#include "sim/run/session/session_run.h"
+#include "ui/app/base/user_files.h"
+#include "ui/app/import/lost_sessions.h"
 #include "ui/cli/command.h"
 
 namespace kerf::cli {

@@ -1,5 +1,5 @@
 // kerf replay: repeats a recorded session and compares the results.
-#include "sim/run/replay.h"
+#include "sim/run/report/replay.h"
 
 #include <fmt/format.h>
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "sim/run/small_cut.h"
+#include "sim/run/files/small_cut.h"
 #include "ui/cli/command.h"
 
 namespace kerf::cli {

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "sim/run/run_report.h"
+#include "sim/run/report/run_report.h"
 
 namespace kerf::cli {
 

@@ -12,7 +12,7 @@
 #include <string_view>
 
 #include "geometry/base/assets.h"
-#include "sim/run/run_files.h"
+#include "sim/run/files/run_files.h"
 #include "ui/cli/command.h"
 
 namespace kerf::cli {

@@ -17,7 +17,7 @@
 #include "geometry/tool/tool_drawing.h"
 #include "geometry/tool/tool_file.h"
 #include "geometry/tool/tool_template.h"
-#include "sim/run/tool_check.h"
+#include "sim/run/sweep/tool_check.h"
 #include "sim/step/tool_model.h"
 #include "ui/cli/command.h"
 #include "ui/cli/tool_doubt.h"

@@ -5,7 +5,7 @@
 #include <exception>
 
 #include "geometry/tool/tool_file.h"
-#include "sim/run/load_scene.h"
+#include "sim/run/scene/load_scene.h"
 #include "sim/session/session.h"
 
 int main(int argc, char** argv) try {

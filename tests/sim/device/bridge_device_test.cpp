@@ -1,6 +1,6 @@
 // The full path of a force: haptic loop, mailbox, datagrams, the dead-man of a bridge, the arm's motors; and back. All
 // on simulated arms. Frame stamps measure the duration of a force, independent of machine load.
-#include "sim/device/bridge_device.h"
+#include "sim/device/arm/bridge_device.h"
 
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@
 #include <thread>
 
 #include "bridges/simulated/arm_simulator.h"
-#include "sim/device/device_driver.h"
+#include "sim/device/hid/device_driver.h"
 #include "sim/live/haptic_thread.h"
 #include "tests/sim/block_scene.h"
 #include "tests/sim/haptic_scene.h"

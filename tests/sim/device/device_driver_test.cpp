@@ -1,4 +1,4 @@
-#include "sim/device/device_driver.h"
+#include "sim/device/hid/device_driver.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <sstream>
 #include <string>
 
-#include "sim/device/device_finder.h"
+#include "sim/device/hid/device_finder.h"
 
 namespace kerf::device_driver_test {
 namespace {

@@ -1,4 +1,4 @@
-#include "sim/device/device_frame.h"
+#include "sim/device/frame/device_frame.h"
 
 #include <gtest/gtest.h>
 

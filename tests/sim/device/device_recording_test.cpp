@@ -1,8 +1,8 @@
-#include "sim/device/device_recording.h"
+#include "sim/device/record/device_recording.h"
 
 #include <gtest/gtest.h>
 
-#include "sim/device/raw_arm.h"
+#include "sim/device/arm/raw_arm.h"
 #include "tests/support/temporary_folder.h"
 
 namespace kerf::device_recording_test {

@@ -1,11 +1,11 @@
-#include "sim/device/force_guard.h"
+#include "sim/device/frame/force_guard.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <limits>
 
-#include "sim/device/workspace_map.h"
+#include "sim/device/frame/workspace_map.h"
 
 namespace kerf::force_guard_test {
 namespace {

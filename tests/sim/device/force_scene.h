@@ -14,8 +14,8 @@
 #include <mutex>
 #include <thread>
 
-#include "sim/device/arm_opener.h"
-#include "sim/device/device_driver.h"
+#include "sim/device/hid/device_driver.h"
+#include "sim/device/record/arm_opener.h"
 #include "tests/support/hid_testbed.h"
 
 namespace kerf::test {

@@ -8,7 +8,7 @@
 #include <limits>
 #include <numbers>
 
-#include "sim/device/hid_arm.h"
+#include "sim/device/arm/hid_arm.h"
 #include "tests/sim/device/force_scene.h"
 #include "tests/sim/device/simulated_arm.h"
 #include "tests/support/temporary_folder.h"

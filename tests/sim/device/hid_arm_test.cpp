@@ -1,9 +1,9 @@
 // HID arms: reports of Kerf's profile, and the path of a force through the system's hidapi to a simulated arm.
-#include "sim/device/hid_arm.h"
+#include "sim/device/arm/hid_arm.h"
 
 #include <gtest/gtest.h>
 
-#include "sim/device/raw_arm.h"
+#include "sim/device/arm/raw_arm.h"
 #include "tests/sim/device/force_scene.h"
 
 namespace kerf::hid_arm_test {

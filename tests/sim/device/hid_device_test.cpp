@@ -1,5 +1,5 @@
 // The system's hidapi against simulated devices: everything except the wire. Skipped where umockdev is not preloaded.
-#include "sim/device/hid_device.h"
+#include "sim/device/hid/hid_device.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <mutex>
 #include <thread>
 
-#include "sim/device/device_watch.h"
+#include "sim/device/hid/device_watch.h"
 #include "tests/support/hid_testbed.h"
 
 namespace kerf::hid_device_test {

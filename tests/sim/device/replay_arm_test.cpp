@@ -1,14 +1,14 @@
 // Recorded arms and replays of the recordings: the same hands, bit for bit, from any transport.
-#include "sim/device/replay_arm.h"
+#include "sim/device/record/replay_arm.h"
 
 #include <gtest/gtest.h>
 
 #include <map>
 
 #include "bridges/simulated/arm_simulator.h"
-#include "sim/device/bridge_device.h"
-#include "sim/device/device_recording.h"
-#include "sim/device/raw_arm.h"
+#include "sim/device/arm/bridge_device.h"
+#include "sim/device/arm/raw_arm.h"
+#include "sim/device/record/device_recording.h"
 #include "tests/sim/device/force_scene.h"
 #include "tests/support/temporary_folder.h"
 

@@ -7,7 +7,7 @@
 
 #include <algorithm>
 
-#include "sim/device/raw_arm.h"
+#include "sim/device/arm/raw_arm.h"
 #include "sim/hand/virtual_hand.h"
 #include "tests/support/hid_testbed.h"
 

@@ -9,7 +9,7 @@
 
 #include "geometry/tool/sweep.h"
 #include "geometry/tool/tool_file.h"
-#include "sim/run/load_scene.h"
+#include "sim/run/scene/load_scene.h"
 #include "sim/session/session.h"
 #include "tests/sim/block_scene.h"
 #include "tests/support/allocation_guard.h"

@@ -8,8 +8,8 @@
 #include "bench/scenes/press.h"
 #include "geometry/tool/sweep.h"
 #include "geometry/tool/tool_file.h"
-#include "sim/run/removed_volumes.h"
-#include "sim/run/sweep_cutter.h"
+#include "sim/run/files/removed_volumes.h"
+#include "sim/run/sweep/sweep_cutter.h"
 #include "tests/sim/block_scene.h"
 #include "tests/support/slice.h"
 

@@ -10,7 +10,7 @@
 
 #include "bench/scenes/simulated_device.h"
 #include "sim/pieces/split_field.h"
-#include "sim/run/replay.h"
+#include "sim/run/report/replay.h"
 #include "tests/sim/block_scene.h"
 #include "tests/sim/haptic_scene.h"
 #include "tests/support/temporary_folder.h"

@@ -11,7 +11,7 @@
 #include "bench/scenes/practice_block.h"
 #include "geometry/tool/tool_file.h"
 #include "sim/monitor/monitor.h"
-#include "sim/run/load_scene.h"
+#include "sim/run/scene/load_scene.h"
 
 namespace kerf::heat_of_burs_test {
 namespace {

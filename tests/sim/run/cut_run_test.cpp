@@ -6,11 +6,11 @@
 #include <fstream>
 #include <set>
 
-#include "sim/run/export_bundle.h"
-#include "sim/run/geometry_cut.h"
-#include "sim/run/haptic_cut.h"
-#include "sim/run/replay.h"
-#include "sim/run/run_files.h"
+#include "sim/run/cut/geometry_cut.h"
+#include "sim/run/cut/haptic_cut.h"
+#include "sim/run/export/export_bundle.h"
+#include "sim/run/files/run_files.h"
+#include "sim/run/report/replay.h"
 #include "tests/sim/person_at_mouse.h"
 
 namespace kerf::cut_run_test {

@@ -6,8 +6,8 @@
 #include <csignal>
 
 #include "geometry/mesh/mesh_check.h"
-#include "sim/run/export_bundle.h"
-#include "sim/run/run_files.h"
+#include "sim/run/export/export_bundle.h"
+#include "sim/run/files/run_files.h"
 #include "tests/sim/person_at_mouse.h"
 
 namespace kerf::live_neighbours_test {

@@ -1,4 +1,4 @@
-#include "sim/run/live_run.h"
+#include "sim/run/session/live_run.h"
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -10,10 +10,10 @@
 #include <thread>
 
 #include "sim/monitor/structures.h"
-#include "sim/run/export_bundle.h"
-#include "sim/run/run_branch.h"
-#include "sim/run/run_files.h"
-#include "sim/run/run_report.h"
+#include "sim/run/export/export_bundle.h"
+#include "sim/run/files/run_files.h"
+#include "sim/run/report/run_report.h"
+#include "sim/run/session/run_branch.h"
 #include "tests/sim/person_at_mouse.h"
 
 namespace kerf::live_run_test {

@@ -8,7 +8,7 @@
 
 #include "geometry/formats/mesh_writer.h"
 #include "geometry/tool/tool_file.h"
-#include "sim/run/tool_check.h"
+#include "sim/run/sweep/tool_check.h"
 #include "tests/geometry/ball_mesh.h"
 #include "tests/support/temporary_folder.h"
 

@@ -1,4 +1,4 @@
-#include "sim/run/placed_pieces.h"
+#include "sim/run/export/placed_pieces.h"
 
 #include <gtest/gtest.h>
 

@@ -14,10 +14,10 @@
 #include <optional>
 #include <set>
 
-#include "sim/run/export_bundle.h"
-#include "sim/run/run_branch.h"
-#include "sim/run/run_files.h"
-#include "sim/run/session_run.h"
+#include "sim/run/export/export_bundle.h"
+#include "sim/run/files/run_files.h"
+#include "sim/run/session/run_branch.h"
+#include "sim/run/session/session_run.h"
 #include "sim/session/session_log.h"
 #include "tests/sim/person_at_mouse.h"
 

@@ -1,11 +1,11 @@
-#include "sim/run/replay.h"
+#include "sim/run/report/replay.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
 
-#include "sim/run/log_sink.h"
+#include "sim/run/files/log_sink.h"
 #include "tests/sim/block_scene.h"
 #include "tests/support/temporary_file.h"
 

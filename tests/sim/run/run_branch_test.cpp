@@ -1,4 +1,4 @@
-#include "sim/run/run_branch.h"
+#include "sim/run/session/run_branch.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -7,10 +7,10 @@
 #include <csignal>
 #include <cstdlib>
 
-#include "sim/run/export_bundle.h"
-#include "sim/run/haptic_cut.h"
-#include "sim/run/replay.h"
-#include "sim/run/run_files.h"
+#include "sim/run/cut/haptic_cut.h"
+#include "sim/run/export/export_bundle.h"
+#include "sim/run/files/run_files.h"
+#include "sim/run/report/replay.h"
 #include "tests/sim/person_at_mouse.h"
 
 namespace kerf::run_branch_test {

@@ -10,7 +10,7 @@
 #include <random>
 
 #include "geometry/field/marching_cubes.h"
-#include "sim/run/sweep_cutter.h"
+#include "sim/run/sweep/sweep_cutter.h"
 
 namespace kerf::sweep_accuracy_test {
 namespace {

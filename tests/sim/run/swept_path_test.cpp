@@ -1,5 +1,5 @@
 // The tree over the motions of a path against a test of each motion.
-#include "sim/run/swept_path.h"
+#include "sim/run/sweep/swept_path.h"
 
 #include <gtest/gtest.h>
 

@@ -12,7 +12,7 @@
 #include "geometry/formats/mesh_writer.h"
 #include "geometry/tool/tool_file.h"
 #include "sim/hand/path.h"
-#include "sim/run/run_manifest.h"
+#include "sim/run/files/run_manifest.h"
 #include "tests/geometry/ball_mesh.h"
 #include "tests/support/temporary_folder.h"
 

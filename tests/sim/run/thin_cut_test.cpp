@@ -1,5 +1,5 @@
 // Volumes between the nodes of a grid against formulas.
-#include "sim/run/thin_cut.h"
+#include "sim/run/sweep/thin_cut.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // A tip that exits behind the object, and a tip that only enters a hollow.
-#include "sim/run/tip_exit.h"
+#include "sim/run/sweep/tip_exit.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sim/run/tool_check.h"
+#include "sim/run/sweep/tool_check.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sim/run/tool_resolution.h"
+#include "sim/run/sweep/tool_resolution.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

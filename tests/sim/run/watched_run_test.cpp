@@ -1,4 +1,4 @@
-#include "sim/run/watched_run.h"
+#include "sim/run/session/watched_run.h"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 
 #include "sim/monitor/heat.h"
 #include "sim/monitor/structures.h"
-#include "sim/run/replay.h"
-#include "sim/run/run_output.h"
+#include "sim/run/files/run_output.h"
+#include "sim/run/report/replay.h"
 #include "tests/sim/person_at_mouse.h"
 #include "tests/support/temporary_folder.h"
 

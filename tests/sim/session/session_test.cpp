@@ -6,8 +6,8 @@
 
 #include <filesystem>
 
-#include "sim/run/log_sink.h"
-#include "sim/run/replay.h"
+#include "sim/run/files/log_sink.h"
+#include "sim/run/report/replay.h"
 #include "tests/sim/block_scene.h"
 #include "tests/support/allocation_guard.h"
 #include "tests/support/temporary_file.h"

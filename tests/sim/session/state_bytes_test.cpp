@@ -8,8 +8,8 @@
 #include <random>
 
 #include "geometry/tool/tool_file.h"
-#include "sim/run/log_sink.h"
-#include "sim/run/replay.h"
+#include "sim/run/files/log_sink.h"
+#include "sim/run/report/replay.h"
 #include "tests/sim/block_scene.h"
 #include "tests/support/temporary_file.h"
 

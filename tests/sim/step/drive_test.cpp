@@ -9,7 +9,7 @@
 #include "bench/scenes/hold.h"
 #include "bench/scenes/practice_block.h"
 #include "geometry/tool/tool_file.h"
-#include "sim/run/load_scene.h"
+#include "sim/run/scene/load_scene.h"
 #include "sim/step/erode_brick.h"
 
 namespace kerf::drive_test {

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "geometry/tool/tool_file.h"
-#include "sim/run/log_sink.h"
-#include "sim/run/replay.h"
+#include "sim/run/files/log_sink.h"
+#include "sim/run/report/replay.h"
 #include "sim/step/contact_evaluation.h"
 #include "sim/step/contact_points.h"
 #include "tests/sim/block_scene.h"

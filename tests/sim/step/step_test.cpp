@@ -8,7 +8,7 @@
 #include "bench/scenes/feed.h"
 #include "bench/scenes/practice_block.h"
 #include "geometry/tool/tool_file.h"
-#include "sim/run/load_scene.h"
+#include "sim/run/scene/load_scene.h"
 #include "tests/sim/block_scene.h"
 
 namespace kerf::step_test {

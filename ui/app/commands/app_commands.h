@@ -1,0 +1,67 @@
+// The table of all window commands. Menus, keys, scripts and the reference page read it.
+//
+// A new command is a row in app_commands.cpp.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "geometry/base/error.h"
+#include "ui/app/base/command_words.h"
+#include "ui/app/view/camera.h"
+#include "ui/app/workbench/workbench.h"
+
+namespace kerf {
+
+class SettingsFile;
+
+/// State that a command reads and changes.
+struct AppContext {
+  Workbench& bench;
+  Camera& camera;
+  int width = 1280, height = 800;  ///< size of the picture, pixels
+  bool wants_quit = false;
+  bool asks_before_quit = false;  ///< a user can answer: quit.h; false in scripts
+  bool is_asking_to_quit = false;
+  /// Writes the window's picture; null if nothing is drawn.
+  std::function<Expected<void>(const std::filesystem::path& png)> screenshot{};
+  std::optional<std::array<double, 2>> pointer{};                ///< pixel of the picture; none: outside
+  std::function<void(const std::string& text)> set_clipboard{};  ///< null: to standard output
+  SettingsFile* settings = nullptr;                              ///< null: settings are not saved
+  bool shows_settings = false;
+  bool wants_palette = false;
+  bool shows_plots = false;
+  bool shows_device = false;
+};
+
+struct AppCommand {
+  std::string_view id;           ///< "file.open"
+  std::string_view menu;         ///< heading in the menu; empty: scripts only
+  std::string_view label;        ///< text in the menu
+  std::string_view key;          ///< default key: "Ctrl+Z"; empty: none
+  std::string_view parameters;   ///< in a script: "PATH", "[MM]"
+  std::string_view description;  ///< one sentence
+  bool (*is_enabled)(const AppContext&);
+  Expected<void> (*run)(AppContext&, AppWords);
+};
+
+/// The window prompts for a file before it runs the command.
+inline bool asksForFile(const AppCommand& command) { return command.parameters.starts_with("PATH"); }
+
+std::span<const AppCommand> appCommands();
+/// Null if no command has that id.
+const AppCommand* findAppCommand(std::string_view id);
+/// Runs a command if it is enabled. Errors: kNotFound for an unknown id, kUnsupported if it is disabled now,
+/// kBadValue for its parameters.
+Expected<void> runAppCommand(AppContext& context, std::string_view id, AppWords parameters = {});
+
+/// The table as Markdown: docs/reference/window-commands.md is this text.
+std::string appCommandReference();
+
+}  // namespace kerf

@@ -1,0 +1,201 @@
+#include "ui/app/commands/device_commands.h"
+
+#include <nlohmann/json.hpp>
+
+#include "sim/device/record/arm_opener.h"
+#include "ui/app/commands/settings.h"
+#include "ui/app/session/arm_lead.h"
+
+namespace kerf::device_commands {
+namespace {
+
+using DeviceLimits = SpaceMouseSettings;
+
+SpaceMouseSettings& settingsOf(AppContext& c) { return c.settings->values.space_mouse; }
+
+}  // namespace
+
+Expected<void> leads(AppContext& c, AppWords words) {
+  SpaceMouseLeads& now = settingsOf(c).leads;
+  if (words.empty())
+    now = now == SpaceMouseLeads::kTool ? SpaceMouseLeads::kView : SpaceMouseLeads::kTool;
+  else if (words[0] == "tool")
+    now = SpaceMouseLeads::kTool;
+  else if (words[0] == "view")
+    now = SpaceMouseLeads::kView;
+  else if (words[0] == "nothing")
+    now = SpaceMouseLeads::kNothing;
+  else
+    return wrongWord("\"" + words[0] + "\"", "tool, view or nothing");
+  c.bench.say(now == SpaceMouseLeads::kTool   ? "The SpaceMouse leads the tool"
+              : now == SpaceMouseLeads::kView ? "The SpaceMouse leads the view"
+                                              : "The SpaceMouse leads nothing");
+  return c.settings->save();
+}
+
+Expected<void> gain(AppContext& c, AppWords words) {
+  KERF_TRY(factor, numberOf(words, 0, "FACTOR", DeviceLimits::kLeastGain, DeviceLimits::kMostGain));
+  settingsOf(c).gain = factor;
+  return c.settings->save();
+}
+
+Expected<void> deadBand(AppContext& c, AppWords words) {
+  KERF_TRY(percent, numberOf(words, 0, "PERCENT", 0, 100 * DeviceLimits::kMostDeadBand));
+  settingsOf(c).dead_band = percent / 100;
+  return c.settings->save();
+}
+
+Expected<void> dominant(AppContext& c, AppWords words) {
+  bool& now = settingsOf(c).is_dominant;
+  if (words.empty())
+    now = !now;
+  else if (words[0] == "on" || words[0] == "off")
+    now = words[0] == "on";
+  else
+    return wrongWord("\"" + words[0] + "\"", "on or off");
+  return c.settings->save();
+}
+
+Expected<void> invert(AppContext& c, AppWords words) {
+  if (words.empty()) return wrongWord("nothing", "some of right, away, up, pitch, roll, yaw; or none");
+  std::string names;
+  if (words.size() != 1 || words[0] != "none")
+    for (const std::string& word : words) names += word + " ";
+  KERF_TRY(inverted, invertedFromNames(names));
+  settingsOf(c).is_inverted = inverted;
+  return c.settings->save();
+}
+
+// ---- The force-feedback device
+
+namespace {
+
+ArmLead& armOf(AppContext& c) { return c.bench.arm(); }
+
+Expected<bool> onOrOff(AppWords words, bool now) {
+  if (words.empty()) return !now;
+  if (words[0] == "on" || words[0] == "off") return words[0] == "on";
+  return wrongWord("\"" + words[0] + "\"", "on or off");
+}
+
+}  // namespace
+
+bool isOpen(const AppContext& c) { return c.bench.arm().isOpen(); }
+bool isLeading(const AppContext& c) { return c.bench.isLed(); }
+bool isArmed(const AppContext& c) { return c.bench.arm().isArmed(); }
+
+Expected<void> open(AppContext& c, AppWords words) {
+  if (words.empty()) return wrongWord("no device", kArmNames);
+  return c.bench.openDevice(words[0]);
+}
+
+Expected<void> close(AppContext& c, AppWords) {
+  armOf(c).close();
+  c.bench.say("The force-feedback device is closed; the mouse leads.");
+  return {};
+}
+
+Expected<void> arm(AppContext& c, AppWords) { return armOf(c).armForce(); }
+
+Expected<void> disarm(AppContext& c, AppWords) {
+  armOf(c).disarmForce();
+  return {};
+}
+
+Expected<void> fit(AppContext& c, AppWords) { return c.bench.fitToDevice(); }
+
+Expected<void> force(AppContext& c, AppWords words) {
+  ArmChoice choice = armOf(c).choice();
+  KERF_TRY(newtons, numberOf(words, 0, "NEWTONS", ArmChoice::kLeastForce, ArmChoice::kMostForce));
+  choice.most_force = newtons;
+  armOf(c).choose(choice);
+  return {};
+}
+
+Expected<void> scale(AppContext& c, AppWords words) {
+  ArmChoice choice = armOf(c).choice();
+  KERF_TRY(factor, numberOf(words, 0, "FACTOR", ArmChoice::kLeastScale, ArmChoice::kMostScale));
+  choice.scale = factor;
+  armOf(c).choose(choice);
+  return {};
+}
+
+Expected<void> turn(AppContext& c, AppWords words) {
+  ArmChoice choice = armOf(c).choice();
+  KERF_TRY(degrees, numberOf(words, 0, "DEG", -360, 360));
+  choice.turn_deg = degrees;
+  armOf(c).choose(choice);
+  return {};
+}
+
+Expected<void> pedal(AppContext& c, AppWords words) {
+  ArmChoice choice = armOf(c).choice();
+  KERF_TRY(is_down, onOrOff(words, choice.pedal_is_down));
+  choice.pedal_is_down = is_down;
+  armOf(c).choose(choice);
+  return {};
+}
+
+Expected<void> profile(AppContext& c, AppWords words) {
+  ArmChoice choice = armOf(c).choice();
+  DeviceProfile profile;
+  KERF_TRY(delay_ms, numberOf(words, 0, "MS", 0, 50));
+  KERF_TRY(mass, numberOf(words, 1, "KG", 0.001, 10));
+  KERF_TRY(friction, numberOf(words, 2, "NEWTONS", 0, 10));
+  KERF_TRY(encoder, numberOf(words, 3, "MM", 0, 1));
+  profile.delay_s = delay_ms / 1000;
+  profile.mass_kg = mass;
+  profile.friction = friction;
+  profile.encoder_mm = encoder;
+  choice.profile = profile;
+  armOf(c).choose(choice);
+  return {};
+}
+
+Expected<void> place(AppContext& c, AppWords words) {
+  Vec3d tip;
+  for (int n = 0; n < 3; ++n) {
+    KERF_TRY(value, numberOf(words, static_cast<std::size_t>(n), "X Y Z", -1e4, 1e4));
+    tip[n] = value;
+  }
+  return c.bench.placeHand(tip);
+}
+
+Expected<void> test(AppContext& c, AppWords words) {
+  KERF_TRY(newtons, numberOr(words, 0, 0.5, "NEWTONS", 0, ForceArm::kMostTestForce));
+  Vec3d direction = Vec3d::UnitZ();
+  for (int n = 0; n < 3 && words.size() > 1; ++n) {
+    KERF_TRY(value, numberOf(words, static_cast<std::size_t>(n) + 1, "X Y Z", -1, 1));
+    direction[n] = value;
+  }
+  if (direction.norm() < 1e-3) return wrongWord("no direction", "X Y Z of the device");
+  return armOf(c).testForce(newtons * direction.normalized());
+}
+
+Expected<void> panel(AppContext& c, AppWords words) {
+  KERF_TRY(is_shown, onOrOff(words, c.shows_device));
+  c.shows_device = is_shown;
+  return {};
+}
+
+std::string deviceState(const AppContext& c) {
+  const ArmView v = c.bench.arm().view();
+  const auto list = [](const Vec3d& p) { return nlohmann::json{p[0], p[1], p[2]}; };
+  const nlohmann::json j{{"device", v.what},
+                         {"is_there", v.is_there},
+                         {"is_leading", v.is_leading},
+                         {"is_armed", v.is_armed},
+                         {"missing", v.missing},
+                         {"hand_mm", list(v.hand.pose.translation)},
+                         {"buttons", v.hand.buttons},
+                         {"force_N", list(v.felt.force)},
+                         {"ramp", v.felt.ramp},
+                         {"is_clamped", v.felt.is_clamped},
+                         {"has_fault", v.felt.has_fault},
+                         {"hands", v.counts.hands},
+                         {"refused", v.counts.refused},
+                         {"age_ms", {{"p50", v.age_p50_ms}, {"p99", v.age_p99_ms}, {"p99.9", v.age_p999_ms}}}};
+  return j.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+}  // namespace kerf::device_commands

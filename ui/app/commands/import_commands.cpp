@@ -1,0 +1,258 @@
+#include "ui/app/commands/import_commands.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+namespace kerf {
+namespace {
+
+using Way = ClosingChoice::Way;
+constexpr std::array<std::pair<const char*, Way>, 4> kWays = {
+    {{"automatic", Way::kAutomatic}, {"base", Way::kBase}, {"holes", Way::kHolesOnly}, {"wrap", Way::kWrap}}};
+
+constexpr std::array<std::pair<const char*, ImportRole>, 4> kRoles = {{{"cut", ImportRole::kCut},
+                                                                       {"beside", ImportRole::kBeside},
+                                                                       {"out", ImportRole::kOut},
+                                                                       {"tool", ImportRole::kTool}}};
+
+tl::unexpected<Error> notAWord(const std::string& found, std::string expected) {
+  return wrongWord(found.empty() ? "nothing" : "\"" + found + "\"", std::move(expected));
+}
+
+std::string importWordOf(AppWords words, std::size_t n) { return n < words.size() ? words[n] : std::string(); }
+
+// The plan checks the range.
+Expected<double> lengthOf(const std::string& word) {
+  double value = 0;
+  const auto [end, failed] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (word.empty() || failed != std::errc{} || end != word.data() + word.size())
+    return notAWord(word, "a length in mm");
+  return value;
+}
+
+}  // namespace
+
+bool isImporting(const AppContext& c) { return c.bench.importSet() && !c.bench.job(); }
+bool isImportingScan(const AppContext& c) { return isImporting(c) && c.bench.importSet()->scan(); }
+bool isImportingLabels(const AppContext& c) { return isImporting(c) && c.bench.importSet()->labels(); }
+bool isImportingSeveral(const AppContext& c) { return isImporting(c) && c.bench.importSet()->isSeveral(); }
+bool isImportingTool(const AppContext& c) { return isImporting(c) && c.bench.importSet()->tool(); }
+
+bool isPreviewing(const AppContext& c) {
+  const PreviewedPlan* const plan = isImporting(c) ? c.bench.importSet()->plan() : nullptr;
+  return plan && plan->isPreviewComing();
+}
+
+Expected<void> importRead(AppContext& c, AppWords words) {
+  if (importWordOf(words, 0).empty()) return notAWord("", "the path of a scan");
+  c.bench.beginImports({words.begin(), words.end()});
+  return {};
+}
+
+Expected<void> importAdd(AppContext& c, AppWords words) {
+  if (importWordOf(words, 0).empty()) return notAWord("", "the path of a scan");
+  c.bench.importMore({words.begin(), words.end()});
+  return {};
+}
+
+Expected<void> importChoose(AppContext& c, AppWords words) {
+  ImportSet& set = *c.bench.importSet();
+  KERF_TRY(n, numberOf(words, 0, "N", 1, static_cast<double>(set.entries().size())));
+  set.choose(static_cast<std::size_t>(n) - 1);
+  return {};
+}
+
+Expected<void> importRole(AppContext& c, AppWords words) {
+  ImportSet& set = *c.bench.importSet();
+  KERF_TRY(n, numberOf(words, 0, "N", 1, static_cast<double>(set.entries().size())));
+  for (const auto& [name, role] : kRoles)
+    if (importWordOf(words, 1) == name) return set.setRole(static_cast<std::size_t>(n) - 1, role, c.bench.isOpen());
+  return notAWord(importWordOf(words, 1), "cut, beside, out or tool");
+}
+
+Expected<void> importToolAxis(AppContext& c, AppWords words) {
+  if (importWordOf(words, 0).empty()) return notAWord("", "+x, -x, +y, -y, +z, -z, length, -length, thin-end or auto");
+  return c.bench.importSet()->tool()->setWay(words[0]);
+}
+
+Expected<void> importToolCut(AppContext& c, AppWords words) {
+  KERF_TRY(mm, lengthOf(importWordOf(words, 0)));
+  return c.bench.importSet()->tool()->setCutBelow(mm);
+}
+
+Expected<void> importTissue(AppContext& c, AppWords words) {
+  KERF_TRY(label, numberOf(words, 0, "LABEL", 1, 65535));
+  if (importWordOf(words, 1).empty()) return notAWord("", "a tissue, or none");
+  return c.bench.importSet()->labels()->setTissue(static_cast<std::uint16_t>(label), words[1]);
+}
+
+Expected<void> importUnit(AppContext& c, AppWords words) {
+  if (importWordOf(words, 0).empty()) return notAWord("", "mm, cm, m, um or inch");
+  return c.bench.importPlan()->setUnit(words[0]);
+}
+
+Expected<void> importClose(AppContext& c, AppWords words) {
+  ClosingChoice choice = c.bench.importPlan()->closing();
+  for (const auto& [name, way] : kWays) {
+    if (importWordOf(words, 0) != name) continue;
+    choice.way = way;
+    return c.bench.importPlan()->setClosing(choice);
+  }
+  return notAWord(importWordOf(words, 0), "automatic, base, holes or wrap");
+}
+
+Expected<void> importBase(AppContext& c, AppWords words) {
+  ClosingChoice choice = c.bench.importPlan()->closing();
+  const std::string shape = importWordOf(words, 0);
+  if (shape != "horseshoe" && shape != "full") return notAWord(shape, "horseshoe or full");
+  choice.is_full_base = shape == "full";
+  if (words.size() > 1) {
+    KERF_TRY(mm, lengthOf(words[1]));
+    choice.base_mm = mm;
+  }
+  return c.bench.importPlan()->setClosing(choice);
+}
+
+Expected<void> importSmooth(AppContext& c, AppWords words) {
+  ClosingChoice choice = c.bench.importPlan()->closing();
+  KERF_TRY(mm, lengthOf(importWordOf(words, 0)));
+  choice.smooth_mm = mm;
+  return c.bench.importPlan()->setClosing(choice);
+}
+
+Expected<void> importPlane(AppContext& c, AppWords words) {
+  ClosingChoice choice = c.bench.importPlan()->closing();
+  const std::string word = importWordOf(words, 0);
+  if (word != "on" && word != "off") return notAWord(word, "on or off");
+  choice.follows_occlusal_plane = word == "on";
+  return c.bench.importPlan()->setClosing(choice);
+}
+
+Expected<void> importHoles(AppContext& c, AppWords words) {
+  ClosingChoice choice = c.bench.importPlan()->closing();
+  choice.holes_up_to_mm.reset();
+  if (importWordOf(words, 0) != "auto") {
+    KERF_TRY(mm, lengthOf(importWordOf(words, 0)));
+    choice.holes_up_to_mm = mm;
+  }
+  return c.bench.importPlan()->setClosing(choice);
+}
+
+Expected<void> importWrap(AppContext& c, AppWords words) {
+  ClosingChoice choice = c.bench.importPlan()->closing();
+  KERF_TRY(mm, lengthOf(importWordOf(words, 0)));
+  choice.wrap_mm = mm;
+  return c.bench.importPlan()->setClosing(choice);
+}
+
+Expected<void> importVoxel(AppContext& c, AppWords words) {
+  const ImportSet& set = *c.bench.importSet();
+  const auto setVoxel = [&](double mm) -> Expected<void> {
+    if (set.scan()) return set.scan()->setVoxel(mm);
+    if (set.labels()) return set.labels()->setVoxel(mm);
+    return wrongWord("a " + set.entries()[set.chosen()].what(), "a scan or labels: the others have their voxel size");
+  };
+  if (importWordOf(words, 0) == "auto") return setVoxel(0);
+  KERF_TRY(mm, lengthOf(importWordOf(words, 0)));
+  if (mm == 0) return notAWord("0", "auto, or a length in mm");
+  return setVoxel(mm);
+}
+
+Expected<void> importPreview(AppContext& c, AppWords) {
+  if (PreviewedPlan* const plan = c.bench.importSet()->plan()) plan->startPreview();
+  return {};
+}
+
+Expected<void> importStart(AppContext& c, AppWords) {
+  c.bench.startImport();
+  return {};
+}
+
+Expected<void> importCancel(AppContext& c, AppWords) {
+  c.bench.cancelImport();
+  return {};
+}
+
+namespace {
+
+void addScan(nlohmann::json& j, const ImportPlan& plan) {
+  const Vec3d size = plan.unit().size_mm;
+  j["unit"] = plan.unit().unit;
+  j["size_mm"] = {size[0], size[1], size[2]};
+  j["is_plausible"] = plan.unit().is_plausible;
+  j["is_closed"] = plan.found().check.isClosed();
+  j["needs_base"] = plan.isWithoutUnderside();
+  j["voxel_mm"] = plan.voxel();
+}
+
+void addLabels(nlohmann::json& j, const LabelPlan& plan) {
+  const Vec3d size = plan.found().box.size();
+  j["size_mm"] = {size[0], size[1], size[2]};
+  j["voxel_mm"] = plan.voxel();
+  j["volume_mm3"] = plan.volumeMm3();
+  for (const LabelFound& label : plan.found().labels) {
+    const auto tissue = plan.tissue(label.label);
+    j["labels"].push_back({{"label", label.label},
+                           {"name", label.name},
+                           {"volume_mm3", label.volume_mm3},
+                           {"tissue", tissue ? plan.materials().find(*tissue)->id : "none"}});
+  }
+}
+
+void addTool(nlohmann::json& j, const ToolPlan& plan) {
+  const ToolWay& way = plan.way();
+  j["tool"] = {{"id", plan.id()},
+               {"way", way.name},
+               {"axis", {way.axis[0], way.axis[1], way.axis[2]}},
+               {"tip", {way.tip[0], way.tip[1], way.tip[2]}},
+               {"tip_width_mm", way.tip_width_mm},
+               {"cut_below_mm", plan.cutBelow()},
+               {"is_doubtful", plan.isDoubtful()}};
+}
+
+void addPrediction(nlohmann::json& j, const Prediction& prediction) {
+  j["predicted_s"] = prediction.seconds;
+  j["predicted_bytes"] = prediction.bytes;
+  j["predicted_triangles"] = prediction.surface_triangles;
+}
+
+const char* importNameOf(ImportRole role) {
+  const auto row = std::find_if(kRoles.begin(), kRoles.end(), [&](const auto& r) { return r.second == role; });
+  return row->first;
+}
+
+}  // namespace
+
+std::string importState(const ImportSet& set) {
+  const ImportEntry& chosen = set.entries()[set.chosen()];
+  nlohmann::json j{{"file", chosen.file.string()}, {"what", chosen.what()}, {"chosen", set.chosen() + 1}};
+  if (set.scan()) addScan(j, *set.scan());
+  if (set.labels()) addLabels(j, *set.labels());
+  if (set.tool()) addTool(j, *set.tool());
+  addPrediction(j, set.prediction());
+  if (const ClosedPreview* const preview = set.preview()) {
+    j["solid_mm3"] = preview->volume_mm3;
+    j["solid_mm2"] = preview->area_mm2;
+    j["is_exact"] = preview->is_exact;
+    j["changes"] = preview->changes;
+  }
+  const auto add = [&](const Finding& finding) { j["found"].push_back(finding.about + ": " + finding.text); };
+  if (set.scan())
+    for (const Finding& finding : set.scan()->findings()) add(finding);
+  if (set.labels())
+    for (const Finding& finding : set.labels()->findings()) add(finding);
+  if (set.tool())
+    for (const Finding& finding : set.tool()->findings()) add(finding);
+  for (const Finding& finding : set.findings()) add(finding);
+  for (const ImportEntry& entry : set.entries())
+    j["files"].push_back({{"file", entry.file.string()}, {"what", entry.what()}, {"role", importNameOf(entry.role)}});
+  return j.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+}  // namespace kerf

@@ -1,0 +1,157 @@
+#include "ui/app/commands/tooth_views.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "ui/app/base/command_words.h"
+#include "ui/app/commands/pointing.h"
+
+namespace kerf::tooth_views {
+namespace {
+
+constexpr double kToothDegree = std::numbers::pi / 180;
+constexpr double kHalfHeight = 12;                   // mm: a tooth and the adjacent ones
+constexpr double kOverTheArch = 30, kOverNext = 45;  // degrees above the occlusal plane
+
+/// Place of a view.
+struct ToothPlace {
+  Vec3d point = Vec3d::Zero();  // world
+  Rigid3 T_world_object;
+};
+
+std::optional<ToothPlace> placeUnder(const AppContext& c, const Ray& ray) {
+  const auto seen = c.bench.behindSection(ray);
+  const auto hit = seen ? c.bench.scene().hit(*seen) : std::nullopt;
+  if (!hit) return {};
+  const SceneObject* const object = c.bench.scene().find(hit->id);
+  return ToothPlace{hit->on_surface.point, object ? object->pose() : Rigid3{}};
+}
+
+/// The point of the arch nearest to a ray.
+ToothPlace placeOfArch(const DentalArch& arch, const Ray& ray) {
+  const auto off = [&](const Vec3d& p) { return (p - ray.origin).cross(ray.direction).squaredNorm(); };
+  return {*std::min_element(arch.curve.begin(), arch.curve.end(),
+                            [&](const Vec3d& a, const Vec3d& b) { return off(a) < off(b); }),
+          {}};
+}
+
+Expected<ToothPlace> toothPlaceOf(const AppContext& c, AppWords words) {
+  if (!words.empty()) {
+    KERF_TRY(ray, rayOf(c, words));
+    if (const auto place = placeUnder(c, ray)) return *place;
+    return wrongWord("nothing is there", "a pixel of the object");
+  }
+  const auto rayAt = [&](double x, double y) { return rayUnder(c.camera, x, y, c.width, c.height); };
+  if (c.pointer)
+    if (const auto place = placeUnder(c, rayAt((*c.pointer)[0], (*c.pointer)[1]))) return *place;
+  if (const SceneObject* const piece = c.bench.chosenPiece())
+    return ToothPlace{piece->pose() * piece->surface.bounds().center(), piece->pose()};
+
+  const Ray middle = rayAt(0.5 * c.width, 0.5 * c.height);
+  if (const auto place = placeUnder(c, middle)) return *place;
+  if (const auto& arch = c.bench.arch(); arch && !c.bench.told_sides) return placeOfArch(*arch, middle);
+  return ToothPlace{c.bench.scene().bounds().center(), {}};
+}
+
+/// In the world's frame.
+Expected<ToothSides> sidesOf(const AppContext& c, const ToothPlace& place) {
+  ToothSides out;
+  if (c.bench.told_sides)
+    out = *c.bench.told_sides;
+  else if (const auto& arch = c.bench.arch())
+    out = arch->sidesAt(place.T_world_object.inverse() * place.point);
+  else
+    return fail({.code = Error::Code::kUnsupported,
+                 .found = "no full arch of teeth, which would tell the sides",
+                 .expected = "a person who tells them",
+                 .hint =
+                     "look at the buccal side, then view.sides-here left (the mesial side is to the left) or right; "
+                     "or by axes of the scan, view.sides +y +x: buccal, mesial"});
+  for (Vec3d* const side : {&out.occlusal, &out.buccal, &out.mesial}) *side = place.T_world_object.rotation * *side;
+  return out;
+}
+
+/// Up in the view: exactly out of the teeth, unless the user has turned another side up.
+Vec3d upOf(const AppContext& c) {
+  const auto& occlusal = c.bench.occlusalNormal();
+  if (occlusal && uprightFrame(*occlusal) == c.camera.upright) return *occlusal;
+  return c.camera.upright.transpose() * Vec3d::UnitZ();
+}
+
+}  // namespace
+
+Expected<void> look(AppContext& c, AppWords words, ToothSide side) {
+  KERF_TRY(place, toothPlaceOf(c, words));
+  KERF_TRY(sides, sidesOf(c, place));
+  const bool is_one_tooth = c.bench.told_sides.has_value();
+  const auto from = [&](const Vec3d& direction, double above_deg) {
+    const double above = is_one_tooth ? 0 : above_deg * kToothDegree;
+    lookFrom(c.camera, std::cos(above) * direction + std::sin(above) * sides.occlusal, sides.occlusal);
+  };
+
+  switch (side) {
+    case ToothSide::kOcclusal:
+      lookFrom(c.camera, sides.occlusal,
+               is_one_tooth ? sides.buccal : Vec3d(place.T_world_object.rotation * c.bench.arch()->front));
+      break;
+    case ToothSide::kBuccal:
+      from(sides.buccal, 0);
+      break;
+    case ToothSide::kLingual:
+      from(-sides.buccal, kOverTheArch);
+      break;
+    case ToothSide::kMesial:
+      from(sides.mesial, kOverNext);
+      break;
+    case ToothSide::kDistal:
+      from(-sides.mesial, kOverNext);
+      break;
+  }
+  c.camera.target = place.point;
+  c.camera.half_height = std::min(c.camera.half_height, kHalfHeight);
+  return {};
+}
+
+Expected<void> sides(AppContext& c, AppWords words) {
+  if (words.size() == 1 && words[0] == "auto") {
+    c.bench.told_sides.reset();
+    return {};
+  }
+  if (words.size() < 2)
+    return wrongWord("too few words", "the buccal and the mesial axis, or auto", "view.sides +y +x");
+  ToothSides told;
+  KERF_TRY(buccal, axisFromName(words[0]));
+  KERF_TRY(mesial, axisFromName(words[1]));
+  told.buccal = buccal;
+  told.mesial = mesial;
+  told.occlusal = buccal.cross(mesial);
+  const Vec3d up = upOf(c);
+  if (told.occlusal.dot(up) < 0) told.occlusal = -told.occlusal;
+  if (told.occlusal.dot(up) < std::numbers::sqrt2 / 2)
+    return wrongWord(words[0] + " and " + words[1], "two axes square to the one that is up, " + nameOfAxis(up),
+                     "view.up sets which side is up");
+  c.bench.told_sides = told;
+  return {};
+}
+
+Expected<void> sidesHere(AppContext& c, AppWords words) {
+  if (words.empty() || (words[0] != "left" && words[0] != "right"))
+    return wrongWord(words.empty() ? "no side" : "\"" + words[0] + "\"", "left or right: where the mesial side is");
+  constexpr double kAside = 0.5;  // sine of the least angle to the occlusal axis: 30 degrees
+  ToothSides told;
+  told.occlusal = upOf(c).normalized();
+  const Vec3d back = c.camera.backwards(), level = back - told.occlusal.dot(back) * told.occlusal;
+  if (level.norm() < kAside)
+    return fail({.code = Error::Code::kUnsupported,
+                 .found = "a view along the occlusal axis",
+                 .expected = "one of the buccal side",
+                 .hint = "turn the view until that side faces you (right button), then again"});
+  told.buccal = level.normalized();
+  told.mesial = told.occlusal.cross(told.buccal);
+  if (told.mesial.dot(c.camera.right()) * (words[0] == "right" ? 1 : -1) < 0) told.mesial = -told.mesial;
+  c.bench.told_sides = told;
+  return {};
+}
+
+}  // namespace kerf::tooth_views

@@ -1,0 +1,338 @@
+#include "ui/app/view/tissue_display.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+#include "sim/live/chunk_occlusion.h"
+#include "sim/run/session/watched_run.h"
+#include "ui/app/base/language.h"
+
+namespace kerf {
+namespace {
+
+constexpr auto kPause = std::chrono::milliseconds(250);  // between two meshings of the cut
+constexpr double kLeast = 1e-6;                          // mm^3: smaller volumes are no tissue
+constexpr std::uint8_t kMapGloss = 40;                   // matte: shine would read as a value
+
+// Even steps of L* in CIELAB, 92 to 20, from yellow to blue: no step relies on red against green.
+constexpr std::array<std::array<double, 3>, 9> kMap = {{{253, 232, 147},
+                                                        {224, 207, 138},
+                                                        {196, 182, 130},
+                                                        {168, 158, 124},
+                                                        {141, 134, 119},
+                                                        {114, 110, 115},
+                                                        {85, 88, 113},
+                                                        {52, 66, 112},
+                                                        {0, 47, 111}}};
+
+double depthIn(const KeepOut& solid, const Vec3f& p) { return std::max(0.0, -static_cast<double>(solid.distance(p))); }
+
+KeepOutOptions depthReach(double voxel) {
+  KeepOutOptions out = keepOutReach(voxel);
+  out.most_depth = out.most_distance;
+  return out;
+}
+
+}  // namespace
+
+std::optional<MapLegend> legendOf(SurfaceColours colours) {
+  const std::string reach = phrase("{:g} mm or more", kMapReach);
+  if (colours == SurfaceColours::kDepth) return MapLegend{"Below the surface as loaded", "0 mm", reach};
+  if (colours != SurfaceColours::kDistance) return {};
+  return MapLegend{"To pulp or nerve canal", "0 mm", reach, true};
+}
+
+Rgba8 mapColour(double share) {
+  const double at = std::clamp(std::isfinite(share) ? share : 1.0, 0.0, 1.0) * (kMap.size() - 1);
+  const std::size_t low = std::min(static_cast<std::size_t>(at), kMap.size() - 2);
+  const double t = at - static_cast<double>(low);
+  Rgba8 out{0, 0, 0, 255};
+  for (std::size_t k = 0; k < 3; ++k)
+    out[k] = static_cast<std::uint8_t>(std::lround((1 - t) * kMap[low][k] + t * kMap[low + 1][k]));
+  return out;
+}
+
+TissueSource tissueSourceOf(LiveRun& run, std::shared_ptr<const Structures> structures) {
+  TissueSource out;
+  out.view = [&run] { return run.viewScene(); };
+  out.edits = [&run] { return run.editsDone(); };
+  out.objects_now = [&run]() -> std::size_t { return run.thread().report().object_count; };
+  out.object = run.sharedObject();
+  for (const LiveNeighbour& other : run.neighbours()) out.beside.push_back(other.object);
+  out.original = run.original();
+  out.structures = std::move(structures);
+  out.scan = run.scanColours();
+  out.has_scan_colours = run.hasScanColours();
+  return out;
+}
+
+TissueSource tissueSourceOf(const WatchedRun& run) {
+  TissueSource out;
+  out.view = [&run] { return run.viewScene(); };
+  out.edits = [&run] { return run.editsDone(); };
+  out.objects_now = [&run]() -> std::size_t { return run.moment().report.object_count; };
+  out.object = run.objects().front();
+  out.beside.assign(run.objects().begin() + 1, run.objects().end());
+  out.original = run.original();
+  out.structures = run.structures();
+  out.scan = run.scanColours();
+  out.has_scan_colours = run.hasScanColours();
+  return out;
+}
+
+// ---- Calls by the workbench
+
+void TissueDisplay::opened(TissueSource source, const MaterialTable& materials) {
+  closing();
+  source_ = std::move(source);
+  labels_ = TissueLabels::of(*source_->object);
+  for (const auto& other : source_->beside) labels_beside_.push_back(TissueLabels::of(*other));
+  palette_.emplace(materials);
+  const std::array<double, 256>& volumes = source_->object->volumes();
+  for (const MaterialProperties& row : materials.rows()) {
+    const auto number = static_cast<std::size_t>(row.material);
+    if (number >= volumes.size() || volumes[number] < kLeast) continue;
+    tissues_.push_back({row.material, row.id, row.name, row.color, volumes[number], TissueLook::kShow});
+  }
+  // An object of several tissues opens in tissue colours: a scan's colours do not show caries in enamel.
+  const bool begins_with_scan = source_->has_scan_colours && tissues_.size() <= 1;
+  colours_ = wanted_colours_ = begins_with_scan ? SurfaceColours::kScan : SurfaceColours::kTissue;
+}
+
+void TissueDisplay::closing() {
+  TissueDisplay closed;
+  closed.colours_version_ = colours_version_ + 1;
+  closed.ending_ = std::move(ending_);
+  if (meshing_) closed.ending_.push_back(std::move(meshing_));
+  if (measuring_) closed.ending_.push_back(std::move(measuring_));
+  for (const auto& job : closed.ending_) job->cancel();
+  *this = std::move(closed);
+}
+
+Expected<void> TissueDisplay::update() {
+  std::erase_if(ending_, [](const std::unique_ptr<AnyJob>& job) { return job->isOver(); });
+  if (!source_) return {};
+  if (measuring_ && measuring_->isOver()) KERF_CHECK(takeDepths());
+  if (meshing_ && meshing_->isOver()) KERF_CHECK(takeMeshed());
+  is_dropped_ |= meshing_ && areAllShown();  // the window has dropped the chunks handed out
+  if (meshing_) return {};
+  if (areAllShown()) {
+    meshers_.reset();
+    parts_of_.reset();
+    return {};
+  }
+
+  const bool is_asked = !meshers_ || meshers_->of != wanted();
+  const bool is_outdated = source_->edits() != meshed_edits_ || source_->objects_now() != meshed_objects_;
+  if (is_asked || (is_outdated && std::chrono::steady_clock::now() >= next_)) startMeshing();
+  return {};
+}
+
+bool TissueDisplay::isBusy() const {
+  if (!source_) return false;
+  return meshing_ || measuring_ || (!areAllShown() && parts_of_ != wanted());
+}
+
+// ---- Tissue looks
+
+Expected<void> TissueDisplay::set(const std::string& id, TissueLook look) {
+  std::string ids;
+  for (SeenTissue& tissue : tissues_) {
+    if (tissue.id == id || tissue.name == id) {
+      tissue.look = look;
+      return {};
+    }
+    ids += (ids.empty() ? "" : ", ") + tissue.id;
+  }
+  return fail({.code = Error::Code::kBadValue,
+               .found = fmt::format("\"{}\"", id),
+               .expected = ids.empty() ? "something with tissues" : "one of " + ids});
+}
+
+void TissueDisplay::showAll() {
+  for (SeenTissue& tissue : tissues_) tissue.look = TissueLook::kShow;
+}
+
+TissueChoices TissueDisplay::choices() const {
+  TissueChoices out{wanted_colours_, {}};
+  for (const SeenTissue& tissue : tissues_)
+    if (tissue.look != TissueLook::kShow) out.looks.emplace_back(tissue.id, tissue.look);
+  return out;
+}
+
+void TissueDisplay::choose(const TissueChoices& choices) {
+  for (const auto& [id, look] : choices.looks) (void)set(id, look);
+  (void)setColours(choices.colours);
+}
+
+bool TissueDisplay::areAllShown() const {
+  return std::all_of(tissues_.begin(), tissues_.end(), [](const SeenTissue& t) { return t.look == TissueLook::kShow; });
+}
+
+TissueDisplay::Wanted TissueDisplay::wanted() const {
+  Wanted out;
+  out.solid.set();
+  TissueSet not_hidden = out.solid;
+  for (const SeenTissue& tissue : tissues_) {
+    const auto number = static_cast<std::size_t>(tissue.material);
+    if (tissue.look != TissueLook::kShow) out.solid.reset(number);
+    if (tissue.look == TissueLook::kHide) not_hidden.reset(number);
+  }
+  out.is_own_ghost = not_hidden.all() && !out.solid.all();
+  if (not_hidden != out.solid && !out.is_own_ghost) out.ghost = not_hidden;
+  return out;
+}
+
+bool TissueDisplay::hasPart(TissuePart part) const {
+  if (areAllShown() || !parts_of_) return false;
+  return part == TissuePart::kSolid || parts_of_->ghost.any();
+}
+
+bool TissueDisplay::isOwnSurfaceGhost() const { return hasPart(TissuePart::kSolid) && parts_of_->is_own_ghost; }
+
+void TissueDisplay::startMeshing() {
+  auto view = source_->view();
+  if (!view) return;
+  if (!meshers_ || meshers_->of != wanted()) {
+    meshers_ = std::make_shared<Meshers>();
+    meshers_->of = wanted();
+  }
+  meshed_edits_ = source_->edits();
+  meshed_objects_ = view->objects.size();
+
+  RemesherOptions options;
+  options.finish = [labels = *labels_, palette = *palette_, scan = source_->scan, original = source_->original](
+                       MeshChunk& chunk, const OverlayField& field) {
+    chunk.colours = tissueColours(chunk, labels, palette);
+    if (scan) chunk.scan_colours = scanColours(chunk, *scan, *original);
+    chunk.occlusion = occlusionOf(chunk, field);
+  };
+  meshing_ = std::make_unique<Job<Changes>>(
+      "tissues", [view = std::move(*view), meshers = meshers_, options, loaded = source_->object](
+                     const Progress& progress) { return meshed(view, *meshers, *loaded, options, progress); });
+}
+
+Expected<TissueDisplay::Changes> TissueDisplay::meshed(const SceneView& view, Meshers& meshers,
+                                                       const BakedObject& loaded, const RemesherOptions& options,
+                                                       const Progress& progress) {
+  Changes out;
+  KERF_TRY(scene, LiveRun::copyOf(view));
+  for (const SceneCopy::Object& object : scene.objects) {
+    if (object.loaded > 0) continue;  // neighbours keep their own surface
+    for (const TissuePart part : {TissuePart::kSolid, TissuePart::kGhost}) {
+      const TissueSet& of = part == TissuePart::kSolid ? meshers.of.solid : meshers.of.ghost;
+      if (part == TissuePart::kGhost && of.none()) continue;
+      if (!report(progress, 0, object.name)) return cancelled();
+
+      const auto key = std::pair(object.id, part);
+      auto known = meshers.all.find(key);
+      const bool is_new = known == meshers.all.end();
+      if (is_new) {
+        const BrickField& begin = object.begin ? *object.begin : loaded.phi0();
+        auto made = std::make_unique<TissueMesher>(loaded, of, begin, options);
+        known = meshers.all.emplace(key, std::move(made)).first;
+      }
+      std::vector<MeshChunkPtr> chunks = known->second->update(object.changed);
+      if (is_new || !chunks.empty()) out.push_back({object.id, part, is_new, std::move(chunks)});
+    }
+  }
+  return out;
+}
+
+Expected<void> TissueDisplay::takeMeshed() {
+  auto changes = std::exchange(meshing_, nullptr)->take();
+  next_ = std::chrono::steady_clock::now() + kPause;
+  if (!changes) {
+    // A piece was joined again meanwhile: the next view of the scene lacks it.
+    meshers_.reset();
+    if (changes.error().code == Error::Code::kNotFound) {
+      meshed_edits_ = 0;
+      return {};
+    }
+    showAll();
+    return fail(std::move(changes).error());
+  }
+  if (std::exchange(is_dropped_, false)) {
+    meshers_.reset();
+    parts_of_.reset();
+    return {};
+  }
+  parts_of_ = meshers_->of;
+  std::move(changes->begin(), changes->end(), std::back_inserter(changes_));
+  return {};
+}
+
+std::vector<TissueDisplay::Change> TissueDisplay::takeChanges() { return std::exchange(changes_, {}); }
+
+// ---- Colours
+
+TissueSection TissueDisplay::sectionAt(const Plane& plane, std::size_t beside) const {
+  if (!labels_ || beside > labels_beside_.size()) return {};
+  return tissueSection(plane, beside == 0 ? *labels_ : labels_beside_[beside - 1], *palette_);
+}
+
+Expected<void> TissueDisplay::setColours(SurfaceColours colours) {
+  if (!source_) return {};
+  if (colours == SurfaceColours::kDistance && source_->structures->isEmpty())
+    return fail({.code = Error::Code::kUnsupported,
+                 .found = "neither pulp nor nerve canal in what is open",
+                 .expected = "a case with one of them",
+                 .hint = "view.colours depth"});
+  if (colours == SurfaceColours::kScan && !hasScanColours())
+    return fail({.code = Error::Code::kUnsupported,
+                 .found = "no colours in the scan that is open",
+                 .expected = "a scan with colours of vertices or faces, as PLY, OBJ, OFF and 3MF hold them",
+                 .hint = "view.colours tissue"});
+  wanted_colours_ = colours;
+  if (colours == SurfaceColours::kDepth && !depths_) {  // update() continues
+    if (!measuring_)
+      measuring_ = std::make_unique<Job<Depths>>(
+          "depths", [original = source_->original](const Progress& progress) -> Expected<Depths> {
+            KERF_TRY(object, BakedObject::make(*original, static_cast<const MaterialField*>(nullptr)));
+            return KeepOut::ofSolid(*object, depthReach(object->voxel()), progress);
+          });
+    return {};
+  }
+  colours_ = colours;
+  ++colours_version_;
+  return {};
+}
+
+Expected<void> TissueDisplay::takeDepths() {
+  auto depths = std::exchange(measuring_, nullptr)->take();
+  if (!depths) return fail(std::move(depths).error());
+  depths_ = std::move(*depths);
+  return setColours(wanted_colours_);
+}
+
+// 1 at the structure, 0 at the reach of the map or of the measurement.
+double TissueDisplay::nearness(const Vec3d& p) const {
+  constexpr double kRounding = 1e-4;  // mm
+  const double distance = source_->structures->distance(p);
+  return distance >= source_->structures->reach() - kRounding ? 0 : 1 - distance / kMapReach;
+}
+
+const std::vector<Rgba8>& TissueDisplay::coloursBeside(const MeshChunk& chunk) const {
+  return colours_ == SurfaceColours::kScan && !chunk.scan_colours.empty() ? chunk.scan_colours : chunk.colours;
+}
+
+std::vector<Rgba8> TissueDisplay::coloursOf(const MeshChunk& chunk) const {
+  if (colours_ == SurfaceColours::kTissue || colours_ == SurfaceColours::kScan) return coloursBeside(chunk);
+  std::vector<Rgba8> out;
+  out.reserve(chunk.vertices.size());
+  for (const Vec3f& p : chunk.vertices) {
+    const double share =
+        colours_ == SurfaceColours::kDepth ? depthIn(*depths_, p) / kMapReach : nearness(p.cast<double>());
+    Rgba8 colour = mapColour(share);
+    colour[3] = kMapGloss;
+    out.push_back(colour);
+  }
+  return out;
+}
+
+}  // namespace kerf

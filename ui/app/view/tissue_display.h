@@ -1,0 +1,198 @@
+// Display of the tissues of the open object: section colours, shown, hidden and ghost tissues, and maps of depth and
+// distance in place of tissue colours.
+//
+// While all tissues are shown, the surface is the mesher's. Once one is hidden or a ghost, the others get a separate
+// surface (sim/live/tissue_mesher.h). Jobs make and update it, so a cut appears some tenths of a second later. Nothing
+// here touches the session or its log.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "geometry/field/material.h"
+#include "sim/live/scan_colours.h"
+#include "sim/live/tissue_mesher.h"
+#include "sim/live/tissue_section.h"
+#include "sim/monitor/structures.h"
+#include "sim/run/session/live_run.h"
+#include "ui/app/base/job.h"
+
+namespace kerf {
+
+class WatchedRun;
+
+enum class TissueLook { kShow, kGhost, kHide };
+
+struct SeenTissue {
+  Material material = Material::kNone;
+  std::string id, name;  ///< "nerve_canal", "nerve canal"
+  Rgba8 colour{};        ///< sRGB
+  double mm3 = 0;        ///< as loaded
+  TissueLook look = TissueLook::kShow;
+};
+
+/// Meaning of the surface colours.
+enum class SurfaceColours {
+  kTissue,
+  kDepth,     ///< below the surface as loaded
+  kDistance,  ///< to pulp and nerve canal
+  kScan       ///< scanned colours; the tissue where there are none and on cut surfaces
+};
+
+/// Map colour: light yellow to dark blue, evenly darker, distinct for colour-blind users.
+/// @param share  0 light to 1 dark; clamped.
+Rgba8 mapColour(double share);
+inline constexpr double kMapReach = 5;  ///< mm: from one end of a map to the other
+
+/// Legend of a map.
+struct MapLegend {
+  std::string title, low, high;  ///< the quantity; its ends, with the unit
+  bool is_dark_first = false;
+  /// @param share  0 at `low`, 1 at `high`.
+  Rgba8 colourAt(double share) const { return mapColour(is_dark_first ? 1 - share : share); }
+};
+/// None: colours without a number.
+std::optional<MapLegend> legendOf(SurfaceColours colours);
+
+/// Surfaces of the tissues that are not hidden, in the frame of their object.
+enum class TissuePart {
+  kSolid,  ///< of the shown tissues
+  kGhost   ///< of shown and ghost tissues, while others are hidden; else the object's own surface is the ghost
+};
+
+/// Data of a session that is cut or watched.
+struct TissueSource {
+  std::function<std::optional<SceneView>()> view;            ///< as LiveRun::viewScene()
+  std::function<std::uint64_t()> edits;                      ///< as LiveRun::editsDone()
+  std::function<std::size_t()> objects_now;                  ///< in the scene
+  std::shared_ptr<const BakedObject> object;                 ///< in work, as loaded
+  std::vector<std::shared_ptr<const BakedObject>> beside{};  ///< neighbours
+  std::shared_ptr<const BrickField> original;                ///< of the case
+  std::shared_ptr<const Structures> structures;              ///< pulp and nerve canals as loaded
+  std::shared_ptr<const ScanColours> scan;                   ///< of the object; null: its scan has no colours
+  bool has_scan_colours = false;                             ///< the object or a neighbour has them
+};
+TissueSource tissueSourceOf(LiveRun& run, std::shared_ptr<const Structures> structures);
+TissueSource tissueSourceOf(const WatchedRun& run);
+
+/// Display choices of the user.
+struct TissueChoices {
+  SurfaceColours colours = SurfaceColours::kTissue;
+  std::vector<std::pair<std::string, TissueLook>> looks;  ///< by id, all that are not kShow
+};
+
+/// Window thread only.
+class TissueDisplay {
+ public:
+  // ---- Calls by the workbench
+
+  /// @param source  not called after closing().
+  void opened(TissueSource source, const MaterialTable& materials);
+  void closing();
+  /// Once a frame. Errors: of a job, whose result is then dropped.
+  Expected<void> update();
+  /// A job runs or is due: the display does not show the choices yet.
+  bool isBusy() const;
+
+  // ---- Tissue looks
+
+  /// Tissues of the object, in the order of the table of materials.
+  std::span<const SeenTissue> all() const { return tissues_; }
+  /// @param id  or its name.   Error kBadValue: the object has no such tissue.
+  Expected<void> set(const std::string& id, TissueLook look);
+  void showAll();
+  bool areAllShown() const;
+  /// True if there are surfaces of that part. Without solid ones show the object's own surface.
+  bool hasPart(TissuePart part) const;
+  /// True if the object's own surface is the ghost.
+  bool isOwnSurfaceGhost() const;
+  /// Colours and looks, to restore when the same object is opened again.
+  TissueChoices choices() const;
+  /// As set() and setColours(). Ignores tissues and colours that the object lacks.
+  void choose(const TissueChoices& choices);
+
+  struct Change {
+    std::uint32_t object = 0;
+    TissuePart part = TissuePart::kSolid;
+    bool is_new = false;  ///< drop all earlier chunks of that part of that object
+    std::vector<MeshChunkPtr> chunks;
+  };
+  /// Since the last call.
+  std::vector<Change> takeChanges();
+
+  // ---- Colours
+
+  /// Tissues in a plane of the object's own frame, as loaded. Empty: nothing is open.
+  /// @param beside  0: the object in work; n: the n-th neighbour.
+  /// @cost  as tissueSection(): once for each plane, not each frame.
+  TissueSection sectionAt(const Plane& plane, std::size_t beside = 0) const;
+  /// Initially the scan's, if it has any and the object has one tissue.
+  SurfaceColours colours() const { return colours_; }
+  /// The colours show a number: depth or distance.
+  bool isMap() const { return colours_ == SurfaceColours::kDepth || colours_ == SurfaceColours::kDistance; }
+  bool hasScanColours() const { return source_ && source_->has_scan_colours; }
+  /// A job measures depth first: 9 s for a molar at 0.05 mm. Error kUnsupported: a distance map without pulp and nerve
+  /// canal, colours of a scan without any.
+  Expected<void> setColours(SurfaceColours colours);
+  /// Increases when the colours of all chunks change.
+  std::uint64_t coloursVersion() const { return colours_version_; }
+  /// One per vertex: of the map, of the scan, or the chunk's own.   @cost  30 ns a vertex.
+  std::vector<Rgba8> coloursOf(const MeshChunk& chunk) const;
+  /// The same for a neighbour: maps cover only the object in work.
+  const std::vector<Rgba8>& coloursBeside(const MeshChunk& chunk) const;
+
+ private:
+  /// Tissues of the parts.
+  struct Wanted {
+    TissueSet solid, ghost;     ///< ghost: none if that part is not needed
+    bool is_own_ghost = false;  ///< nothing is hidden: the object's own surface is the ghost
+    bool operator==(const Wanted&) const = default;
+  };
+  /// A running job owns it.
+  struct Meshers {
+    Wanted of;
+    std::map<std::pair<std::uint32_t, TissuePart>, std::unique_ptr<TissueMesher>> all;
+  };
+  using Changes = std::vector<Change>;
+  using Depths = std::shared_ptr<const KeepOut>;
+
+  static Expected<Changes> meshed(const SceneView& view, Meshers& meshers, const BakedObject& loaded,
+                                  const RemesherOptions& options, const Progress& progress);
+  Wanted wanted() const;
+  void startMeshing();
+  Expected<void> takeMeshed();
+  double nearness(const Vec3d& p) const;
+  Expected<void> takeDepths();
+
+  std::optional<TissueSource> source_;  // none: nothing is open
+  std::optional<TissueLabels> labels_;
+  std::vector<TissueLabels> labels_beside_;
+  std::optional<TissuePalette> palette_;
+  std::vector<SeenTissue> tissues_;
+
+  std::shared_ptr<Meshers> meshers_;
+  std::unique_ptr<Job<Changes>> meshing_;
+  std::optional<Wanted> parts_of_;  // tissues of the surfaces handed out
+  std::uint64_t meshed_edits_ = 0;  // LiveRun::editsDone() at the start of the last job
+  std::size_t meshed_objects_ = 0;  // in the scene at that start
+  bool is_dropped_ = false;         // all tissues were shown during a job
+  std::chrono::steady_clock::time_point next_{};
+  Changes changes_;
+
+  SurfaceColours colours_ = SurfaceColours::kTissue;
+  SurfaceColours wanted_colours_ = SurfaceColours::kTissue;  // differs while depths are measured
+  std::uint64_t colours_version_ = 0;
+  Depths depths_;
+  std::unique_ptr<Job<Depths>> measuring_;
+  std::vector<std::unique_ptr<AnyJob>> ending_;  // cancelled; end by themselves
+};
+
+}  // namespace kerf

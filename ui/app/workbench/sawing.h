@@ -1,0 +1,158 @@
+// Sawing by plan: the planes of the open object, planned cuts through the 1 kHz thread, the guide for sawing by mouse.
+//
+// The Workbench owns it, on its thread. Errors name a remedy. A notice reports the end of a cut.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "geometry/tool/saw_blade.h"
+#include "sim/hand/guided_hand.h"
+#include "ui/app/saw/saw_clearance.h"
+#include "ui/app/saw/saw_plan.h"
+#include "ui/app/saw/saw_section.h"
+#include "ui/app/tool/stroke.h"
+#include "ui/app/view/live_surface.h"
+#include "ui/app/workbench/saw_picking.h"
+
+namespace kerf {
+
+class Workbench;
+
+/// File of a session's plan, beside the run's manifest.
+inline constexpr const char* kSawPlanFile = "saw-plan.toml";
+
+/// Progress of a planned cut.
+struct SawingStatus {
+  std::string plane;
+  double share = 0;              ///< sawn part of the planned section, 0 to 1
+  double planned_mm3 = 0;        ///< the planned section times the blade's kerf
+  double removed_mm3 = 0;        ///< since it began
+  double seconds = 0;            ///< simulated, since it began
+  std::optional<double> left_s;  ///< estimated from the pace so far
+  bool is_stopping = false;      ///< stopped early: the blade is on its way out
+};
+
+class Sawing {
+ public:
+  static constexpr double kLeastForce = 0.5, kMostForce = 8;  ///< N
+  static constexpr double kUsualForce = 5;                    ///< N: usual for saws in bone are 2 to 8
+  static constexpr double kFeed = 1;                          ///< mm/s in bone: 60 mm/min, the fastest advised
+
+  explicit Sawing(Workbench& bench) : bench_(bench) {}
+
+  double force = kUsualForce;  ///< N, of a planned cut
+  SawPicking picking;          ///< points picked by the user
+
+  // ---- Planes. Each new plane is bounded to the bone and the blade, and chosen.
+
+  SawPlan& plan() { return plan_; }
+  const SawPlan& plan() const { return plan_; }
+  /// The saw in hand; else the first of the rack; else a typical one.
+  SawBlade blade() const;
+
+  /// Hit of a ray on the surface as it is now. Error kEmpty: no hit.
+  Expected<SurfaceHit> hit(const Ray& ray) const;
+  /// Through the hits of three rays.
+  Expected<void> addThrough(const std::array<Ray, 3>& rays);
+  /// Through a line drawn in the view, along the view. Rays of one parallel projection.
+  Expected<void> addAlongLine(const Ray& from, const Ray& to);
+  /// Through the hit of a ray, along the view, upright in it.   @param right  of the view, unit.
+  Expected<void> addFromView(const Ray& at, const Vec3d& right);
+  /// Parallel to the surface at the hit of a ray, `below_mm` under it.
+  Expected<void> addAlongFace(const Ray& at, double below_mm);
+  /// Through a point, perpendicular to a normal.
+  Expected<void> addAt(const Vec3d& point, const Vec3d& normal);
+
+  /// Moves the chosen plane. Error kEmpty: none is chosen.
+  Expected<void> move(double mm);
+  Expected<void> turn(double about_approach_deg, double about_across_deg);
+  Expected<void> turnApproach(double deg);
+  Expected<void> resize(std::optional<double> width_mm, std::optional<double> depth_mm);
+  /// Distance of the chosen plane to pulp and nerve canal with the blade in hand. None: no plane, or no structures.
+  std::optional<SawClearance> clearance();
+  /// Bounds the chosen plane to bone and blade again.
+  Expected<void> fit();
+  /// @param file  or a session's folder.
+  Expected<void> save(const std::filesystem::path& file) const;
+  Expected<void> load(const std::filesystem::path& file);
+
+  // ---- Sawing a plane
+
+  /// Saws the chosen plane now, in real time: places the tool in hand above the bone and leads it along its passes.
+  /// Errors: kEmpty without a plane or without bone in it; kUnsupported if the tool is no saw, a piece was moved, or
+  /// another cut or undo is under way; kGeometry if the blade has no room above the bone.
+  Expected<void> cut(double force_n);
+  /// Stops the cut early: draws the blade out. The sawn part stays, as one stroke.
+  void stop();
+  bool isCutting() const { return cutting_.has_value(); }
+  std::optional<SawingStatus> status() const;
+  /// Sawn part of the planned section in the last planned cut, 0 to 1; 0: no cut.
+  double lastShare() const { return last_share_; }
+  /// Takes the reports of the cut. Once a frame.
+  void update();
+
+  // ---- The guide
+
+  bool guide = false;  ///< keeps the blade in the chosen plane, by mouse
+  /// The guide is on, a plane is chosen, a saw is in hand, and no piece has moved.
+  bool isGuiding() const;
+  /// Pose of a guided blade: on the surface as it is now, below the hit of the ray, its front in the plane. None: no
+  /// hit, or too far beside the plane.
+  std::optional<ToolOverSurface> over(const Ray& ray) const;
+  /// From the tip of a guided tool to its front, perpendicular to the approach, world, mm.
+  Vec3d tipToFront() const;
+
+  // ---- For the Workbench
+
+  void opened();  ///< another document was opened: no planes
+  /// As stop(), and undoes the cut once the blade is out.
+  void stopAndUndo();
+  void closing();  ///< writes the plan to the session's folder
+
+ private:
+  struct Cutting {
+    GuidedCut order;
+    SawnSection section;
+    SawPlane plane;
+    Vec3d front;                           // of the blade, tool frame
+    double kerf = 0;                       // mm
+    double removed_before = 0;             // mm^3
+    Rigid3 last;                           // of the tool
+    double aside = 0;                      // greatest distance of the blade from its plane, mm
+    std::uint64_t began = 0, cleared = 0;  // ticks
+    bool is_begun = false, is_undone_after = false;
+  };
+  Expected<void> addFitted(SawPlane plane, FitOptions options);
+  Expected<SawPlane> chosen() const;
+  Expected<void> requireOpen() const;
+  Expected<void> requireUnmoved() const;
+  bool isMoved() const;
+  Expected<Rigid3> startAbove(const SawPlane& plane, const SawBlade& blade, double u, double v, bool is_turned) const;
+  std::string sawsOfTheRack() const;
+  void markSawn(const GuidedReport& report);
+  double plannedMm3() const;
+  double removedMm3() const;
+  void finish(const GuidedReport& report);
+  void saveSoon();
+
+  Workbench& bench_;
+  SawPlan plan_;
+  std::optional<Cutting> cutting_;
+  std::uint64_t cuts_ = 0;
+  double last_share_ = 0;
+  std::uint64_t saved_ = 0, seen_ = 0;  // versions of the plan
+  struct Measured {
+    std::uint64_t version = 0;  // of the plan
+    double kerf = 0;
+    const Structures* of = nullptr;
+    SawClearance clearance;
+  };
+  Measured measured_;
+  std::chrono::steady_clock::time_point changed_{};
+};
+
+}  // namespace kerf

@@ -1,0 +1,202 @@
+#include "ui/window/draw/live_view.h"
+
+#include <cstdint>
+#include <utility>
+
+#include "ui/app/tool/tool_look.h"
+#include "ui/app/view/piece_colours.h"
+#include "ui/app/view/tissue_display.h"
+#include "ui/app/workbench/sawing.h"
+
+namespace kerf {
+namespace {
+
+constexpr std::size_t kUploadAFrame = 1'000'000;  // bytes: some 15 ms in software; 300 000 triangles take 7 frames
+
+/// Renderer's number of a part of an object; objects themselves have the number of their id.
+std::size_t numberOf(std::uint32_t object, TissuePart part) {
+  return object + (std::size_t{part == TissuePart::kSolid ? 1u : 2u} << 32);
+}
+
+// Parts of tissues have numbers beyond those of objects.
+bool isBeside(const Workbench& bench, std::size_t object) {
+  if (!bench.run() || bench.run()->neighbours().empty() || object > UINT32_MAX) return false;
+  return bench.run()->isBeside(static_cast<std::uint32_t>(object));
+}
+
+}  // namespace
+
+Expected<std::unique_ptr<LiveView>> LiveView::create() {
+  KERF_TRY(renderer, LiveRenderer::create());
+  return std::unique_ptr<LiveView>(new LiveView(std::move(renderer)));
+}
+
+void LiveView::update(Workbench& bench) {
+  const std::vector<ObjectChunks> changed = bench.update();
+  if (bench.generation() != generation_) {
+    if (before_clear_) before_clear_();
+    generation_ = bench.generation();
+    renderer_->clear();
+    placed_.clear();
+    sections_.clear();
+    parts_.clear();
+    known_.clear();
+    is_whole_wanted_ = false;
+    tints_.clear();
+    tool_.reset();
+    hover_.reset();
+    is_fit_wanted_ = !bench.keepsView();
+  }
+  lookForPieces(bench, changed);
+  for (const ObjectChunks& object : changed)
+    for (const MeshChunkPtr& chunk : object.chunks) setChunk(bench, object.id, *chunk);
+  takeTissues(bench);
+  recolour(bench);
+  tintPieces(bench);
+  placeObjects(bench);
+  showSection(bench);
+  saw_.surfaceChanged(!changed.empty());
+  showTool(bench);
+}
+
+// A new piece is no longer in its parent's surface: it must not be missing until its upload.
+void LiveView::lookForPieces(const Workbench& bench, const std::vector<ObjectChunks>& changed) {
+  for (const ObjectChunks& object : changed) {
+    if (object.chunks.empty() || known_.contains(object.id)) continue;
+    is_whole_wanted_ |= !known_.empty() && !isUploading() && !isBeside(bench, object.id);
+    known_.insert(object.id);
+  }
+}
+
+// Maps cover the object to cut. Their colours are values, so pieces keep their hue.
+void LiveView::setChunk(const Workbench& bench, std::size_t object, const MeshChunk& chunk) {
+  if (isBeside(bench, object))
+    return renderer_->setChunk(object, chunk, bench.tissues().coloursBeside(chunk), chunk.occlusion);
+  std::vector<Rgba8> colours = bench.tissues().coloursOf(chunk);
+  const auto tinted = tints_.find(static_cast<std::uint32_t>(object & UINT32_MAX));
+  if (tinted != tints_.end() && !bench.tissues().isMap())
+    if (const PieceColour* const colour = findPieceColour(tinted->second)) tint(colours, *colour);
+  renderer_->setChunk(object, chunk, colours, chunk.occlusion);
+}
+
+void LiveView::takeTissues(Workbench& bench) {
+  for (const TissueDisplay::Change& change : bench.tissues().takeChanges()) {
+    const std::size_t number = numberOf(change.object, change.part);
+    if (change.is_new) {
+      is_whole_wanted_ |= !isUploading();
+      renderer_->removeObject(number);
+      parts_[number].clear();
+      sections_.erase(number);
+    }
+    parts_[number].update(change.chunks);
+    for (const MeshChunkPtr& chunk : change.chunks) setChunk(bench, number, *chunk);
+  }
+  if (!bench.tissues().areAllShown()) return;
+  is_whole_wanted_ |= !parts_.empty();  // while its parts were shown, the surface itself was uploaded last
+  for (const auto& [number, surface] : std::exchange(parts_, {})) {
+    renderer_->removeObject(number);
+    sections_.erase(number);
+  }
+}
+
+// Another map: recomputes all colours.
+void LiveView::recolour(const Workbench& bench) {
+  if (std::exchange(colours_version_, bench.tissues().coloursVersion()) == bench.tissues().coloursVersion()) return;
+  for (const SceneObject* object : bench.scene().shown()) recolour(bench, *object);
+}
+
+void LiveView::recolour(const Workbench& bench, const SceneObject& object) {
+  object.surface.forEachChunk([&](const MeshChunk& chunk) { setChunk(bench, object.id, chunk); });
+  for (const auto& [number, surface] : parts_)
+    if (static_cast<std::uint32_t>(number & UINT32_MAX) == object.id)
+      surface.forEachChunk([&, n = number](const MeshChunk& chunk) { setChunk(bench, n, chunk); });
+}
+
+// A piece with a colour chosen by the user.
+void LiveView::tintPieces(const Workbench& bench) {
+  for (const SceneObject* object : bench.scene().shown()) {
+    std::string& tint = tints_[object->id];
+    if (tint == object->colour) continue;
+    tint = object->colour;
+    recolour(bench, *object);
+  }
+}
+
+void LiveView::place(std::size_t object, const Rigid3& pose, bool is_visible, bool is_ghost) {
+  renderer_->setPose(object, pose);
+  renderer_->setVisible(object, is_visible);
+  renderer_->setGhost(object, is_ghost);
+  placed_.push_back(object);
+}
+
+void LiveView::placeObjects(const Workbench& bench) {
+  for (const std::size_t number : std::exchange(placed_, {})) renderer_->setVisible(number, false);
+  const TissueDisplay& tissues = bench.tissues();
+  const bool has_solid = tissues.hasPart(TissuePart::kSolid), is_ghost = tissues.isOwnSurfaceGhost();
+  for (const SceneObject* object : bench.scene().shown()) {
+    const bool is_seen = !object->is_hidden;
+    if (object->isBeside()) {
+      place(object->id, object->pose(), is_seen, object->is_ghost);
+      continue;
+    }
+    place(object->id, object->pose(), is_seen && (!has_solid || is_ghost), is_ghost);
+    for (const TissuePart part : {TissuePart::kSolid, TissuePart::kGhost})
+      if (tissues.hasPart(part)) place(numberOf(object->id, part), object->pose(), is_seen, part == TissuePart::kGhost);
+  }
+}
+
+// Materials in the plane, recomputed for an object when the plane has moved through it.
+void LiveView::showSection(const Workbench& bench) {
+  if (!bench.section) return;
+  const bool has_parts = bench.tissues().hasPart(TissuePart::kSolid);
+  for (const SceneObject* object : bench.scene().shown()) {
+    if (object->is_hidden) continue;
+    const std::size_t number = has_parts && !object->isBeside() ? numberOf(object->id, TissuePart::kSolid) : object->id;
+    const Rigid3 to_object = object->pose().inverse();
+    const Plane local{to_object * bench.section->point, to_object.rotation * bench.section->normal};
+    const auto known = sections_.find(number);
+    if (known != sections_.end() && known->second.point == local.point && known->second.normal == local.normal)
+      continue;
+    sections_[number] = local;
+    renderer_->setSection(number, bench.tissues().sectionAt(local, object->loaded));
+  }
+}
+
+bool LiveView::takeFitWanted() { return std::exchange(is_fit_wanted_, false); }
+
+void LiveView::showTool(const Workbench& bench) {
+  if (!bench.isShown() || tool_ == bench.toolInHand()) return;
+  tool_ = bench.toolInHand();
+  renderer_->setTool(lookOf(bench.tool(*tool_)));
+}
+
+LiveFrame LiveView::frameOf(const Workbench& bench, const Camera& camera) {
+  LiveFrame frame;
+  if (!bench.isShown()) return frame;
+  frame.section = bench.section;
+  frame.plan = saw_.planOf(bench, camera);
+  if (bench.watched() || bench.isPressed() || bench.isLed() || bench.saw().isCutting()) {
+    frame.T_world_tool = bench.report().output.T_world_tool;
+  } else if (hover_) {
+    frame.T_world_tool = hover_->T_world_tool;
+    frame.is_ghost = true;
+  }
+  return frame;
+}
+
+Expected<void> LiveView::draw(const Workbench& bench, const Camera& camera, int width, int height, Edges edges) {
+  LiveFrame frame = frameOf(bench, camera);
+  frame.supersampling = edges == Edges::kSmooth ? 2 : 1;
+  if (!std::exchange(is_whole_wanted_, false)) frame.most_upload = kUploadAFrame;
+  if (edges == Edges::kByAndBy) return still_.draw(*renderer_, camera, width, height, frame);
+  still_.forget();
+  return renderer_->draw(camera, width, height, frame);
+}
+
+Expected<Image> LiveView::picture(const Workbench& bench, const Camera& camera, int width, int height) {
+  LiveFrame frame = frameOf(bench, camera);
+  frame.supersampling = 2;
+  return renderer_->picture(camera, width, height, frame);
+}
+
+}  // namespace kerf

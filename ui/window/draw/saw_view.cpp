@@ -1,0 +1,62 @@
+#include "ui/window/draw/saw_view.h"
+
+#include "ui/app/saw/saw_contour.h"
+#include "ui/app/workbench/sawing.h"
+#include "ui/app/workbench/workbench.h"
+
+namespace kerf {
+namespace {
+
+constexpr auto kContourEvery = std::chrono::milliseconds(250);
+
+LiveSlab slabOf(const SawPlane& plane, double kerf, const LiveScene& scene) {
+  LiveSlab out;
+  out.corners = plane.corners();
+  out.thickness = kerf;
+  out.contour = contourOf(plane, scene);
+  return out;
+}
+
+}  // namespace
+
+void SawView::findSlabs(const Workbench& bench) {
+  slabs_.clear();
+  const SawPlan& plan = bench.saw().plan();
+  const double kerf = bench.saw().blade().kerf;
+  for (std::size_t n = 0; n < plan.planes().size(); ++n) {
+    slabs_.push_back(slabOf(plan.planes()[n], kerf, bench.scene()));
+    slabs_.back().is_chosen = n == plan.chosenIndex();
+  }
+}
+
+LivePlan SawView::planOf(const Workbench& bench, const Camera& camera) {
+  LivePlan out;
+  if (!bench.isOpen()) return out;
+  const Sawing& saw = bench.saw();
+  const auto now = std::chrono::steady_clock::now();
+  const bool is_new =
+      saw.plan().version() != version_ || bench.generation() != generation_ || bench.toolInHand() != tool_;
+  if (is_new || (is_outdated_ && now - found_ > kContourEvery)) {
+    findSlabs(bench);
+    version_ = saw.plan().version();
+    generation_ = bench.generation();
+    tool_ = bench.toolInHand();
+    found_ = now;
+    is_outdated_ = false;
+  }
+  out.slabs = slabs_;
+
+  // Picked points, in front of everything.
+  const SawPicking& picking = saw.picking;
+  out.dots = picking.points();
+  if (const auto& from = picking.lineFrom()) {
+    const auto inView = [&](const Ray& ray) -> Vec3d {
+      const Vec3d back = camera.backwards();
+      return ray.at(back.dot(camera.target - ray.origin) / back.dot(ray.direction));
+    };
+    out.lines.push_back({inView(*from), inView(picking.lineTo())});
+  }
+  return out;
+}
+
+}  // namespace kerf

@@ -1,0 +1,113 @@
+#include "ui/window/gl/widgets.h"
+
+#include <algorithm>
+
+#include "ui/app/base/language.h"
+
+namespace kerf::ui {
+
+std::string Words::shown() const { return is_name_ ? std::string(text_) : shownText(text_); }
+std::string Words::label() const { return is_name_ ? std::string(text_) : shownLabel(text_); }
+
+Words asItIs(std::string_view name) {
+  Words out(name);
+  out.is_name_ = true;
+  return out;
+}
+
+// ---- Words
+
+void text(const Words& words) { ImGui::TextUnformatted(words.shown().c_str()); }
+
+void textColored(const ImVec4& colour, const Words& words) {
+  ImGui::PushStyleColor(ImGuiCol_Text, colour);
+  text(words);
+  ImGui::PopStyleColor();
+}
+
+void textDisabled(const Words& words) { textColored(ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled), words); }
+void textWrapped(const Words& words) { ImGui::TextWrapped("%s", words.shown().c_str()); }
+void bulletText(const Words& words) { ImGui::BulletText("%s", words.shown().c_str()); }
+void setTooltip(const Words& words) { ImGui::SetTooltip("%s", words.shown().c_str()); }
+
+void addText(ImDrawList& list, const ImVec2& at, ImU32 colour, const Words& words) {
+  list.AddText(at, colour, words.shown().c_str());
+}
+
+ImVec2 textSize(const Words& words) { return ImGui::CalcTextSize(words.shown().c_str()); }
+
+void sameLineAt(float place) {
+  const float end = ImGui::GetItemRectMax().x - ImGui::GetWindowPos().x + ImGui::GetStyle().ItemInnerSpacing.x;
+  ImGui::SameLine(std::max(place, end));
+}
+
+// ---- Controls
+
+bool button(const Words& label, const ImVec2& size) {
+  const std::string shown = label.label();
+  ImVec2 wide = size;
+  if (size.x > 0) {
+    const float words = ImGui::CalcTextSize(shown.c_str(), nullptr, true).x;
+    wide.x = std::max(size.x, words + 2 * ImGui::GetStyle().FramePadding.x);
+  }
+  return ImGui::Button(shown.c_str(), wide);
+}
+
+bool smallButton(const Words& label) { return ImGui::SmallButton(label.label().c_str()); }
+bool checkbox(const Words& label, bool* is_on) { return ImGui::Checkbox(label.label().c_str(), is_on); }
+bool radioButton(const Words& label, bool is_on) { return ImGui::RadioButton(label.label().c_str(), is_on); }
+
+bool selectable(const Words& label, bool is_selected, ImGuiSelectableFlags flags, const ImVec2& size) {
+  return ImGui::Selectable(label.label().c_str(), is_selected, flags, size);
+}
+
+bool sliderFloat(const Words& label, float* value, float low, float high, const char* format, ImGuiSliderFlags flags) {
+  return ImGui::SliderFloat(label.label().c_str(), value, low, high, shownText(format).c_str(), flags);
+}
+
+bool inputFloat3(const Words& label, float values[3], const char* format, ImGuiInputTextFlags flags) {
+  return ImGui::InputFloat3(label.label().c_str(), values, format, flags);
+}
+
+bool inputText(const Words& label, char* text, std::size_t size, ImGuiInputTextFlags flags) {
+  return ImGui::InputText(label.label().c_str(), text, size, flags);
+}
+
+bool inputTextWithHint(const Words& label, const Words& hint, char* text, std::size_t size) {
+  return ImGui::InputTextWithHint(label.label().c_str(), hint.shown().c_str(), text, size);
+}
+
+bool beginCombo(const Words& label, const Words& chosen) {
+  return ImGui::BeginCombo(label.label().c_str(), chosen.shown().c_str());
+}
+
+void progressBar(float share, const ImVec2& size) { ImGui::ProgressBar(share, size); }
+
+void progressBar(float share, const ImVec2& size, const Words& words) {
+  ImGui::ProgressBar(share, size, words.shown().c_str());
+}
+
+bool treeNode(const Words& label) { return ImGui::TreeNode(label.label().c_str()); }
+bool collapsingHeader(const Words& label) { return ImGui::CollapsingHeader(label.label().c_str()); }
+
+// ---- Windows, menus
+
+bool begin(const Words& title, bool* is_open, ImGuiWindowFlags flags) {
+  return ImGui::Begin(title.label().c_str(), is_open, flags);
+}
+
+bool beginMenu(const Words& label) { return ImGui::BeginMenu(label.label().c_str()); }
+
+bool menuItem(const Words& label, const Words& key, bool is_enabled) {
+  return ImGui::MenuItem(label.label().c_str(), key.shown().c_str(), false, is_enabled);
+}
+
+void openPopup(const Words& title) { ImGui::OpenPopup(title.label().c_str()); }
+bool isPopupOpen(const Words& title) { return ImGui::IsPopupOpen(title.label().c_str()); }
+bool beginPopup(const Words& title) { return ImGui::BeginPopup(title.label().c_str()); }
+
+bool beginPopupModal(const Words& title, bool* is_open, ImGuiWindowFlags flags) {
+  return ImGui::BeginPopupModal(title.label().c_str(), is_open, flags);
+}
+
+}  // namespace kerf::ui

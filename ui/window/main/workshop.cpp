@@ -1,0 +1,558 @@
+#include "ui/window/main/workshop.h"
+
+#include <epoxy/gl.h>
+#include <fmt/format.h>
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+#include <backends/imgui_impl_glfw.h>
+#include <backends/imgui_impl_opengl3.h>
+#include <imgui.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <numbers>
+#include <optional>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "geometry/base/text.h"
+#include "ui/app/base/language.h"
+#include "ui/app/commands/app_commands.h"
+#include "ui/app/commands/pointing.h"
+#include "ui/app/commands/quit.h"
+#include "ui/app/commands/settings.h"
+#include "ui/app/commands/view_commands.h"
+#include "ui/app/hand/game_controller.h"
+#include "ui/app/hand/gamepad_map.h"
+#include "ui/app/hand/space_mouse_link.h"
+#include "ui/app/hand/stroke_pointer.h"
+#include "ui/app/session/arm_lead.h"
+#include "ui/app/workbench/sawing.h"
+#include "ui/sound/alsa_output.h"
+#include "ui/sound/sound_thread.h"
+#include "ui/window/draw/import_view.h"
+#include "ui/window/draw/live_view.h"
+#include "ui/window/gl/desktop.h"
+#include "ui/window/gl/gl_context.h"
+#include "ui/window/gl/key_names.h"
+#include "ui/window/gl/style.h"
+#include "ui/window/panels/export_panel.h"
+#include "ui/window/panels/panels.h"
+#include "ui/window/screens/file_chooser.h"
+#include "ui/window/screens/palette.h"
+#include "ui/window/screens/quit_question.h"
+#include "ui/window/screens/session_end.h"
+
+namespace kerf {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+constexpr double kStillAfter = 0.2;  // s without input or cut: then draws the picture once more, smooth
+constexpr double kHarder = 2;        // factor of the force, while Shift is down
+constexpr double kNotch = 0.1;       // mm of depth a notch of the wheel, during a stroke
+
+// ---- The loop
+
+class Workshop {
+ public:
+  explicit Workshop(const WorkshopOptions& options)
+      : options_(options),
+        bench_(remembering(options.bench)),
+        settings_(options.config),
+        space_mouse_link_(options.space_mouse) {}
+
+  Expected<int> run() {
+    endWhenTold();
+    KERF_CHECK(desktop_.open(options_.width, options_.height));
+    KERF_TRY(view, LiveView::create());
+    view_ = std::move(view);
+    view_->setBeforeClear([this] {
+      takePicture();
+      box_ = {};
+    });
+    KERF_TRY(import_view, ImportView::create());
+    import_view_ = std::move(import_view);
+    const std::string driver = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
+    is_software_ = driver.find("llvmpipe") != driver.npos || driver.find("softpipe") != driver.npos;
+    applySettings();
+    context_.set_clipboard = [this](const std::string& text) {
+      glfwSetClipboardString(desktop_.window(), text.c_str());
+    };
+    context_.asks_before_quit = true;
+    panels_.ask_for_file = [this](const AppCommand& command) { askForFile(command); };
+    if (settings_.error()) bench_.complain(*settings_.error());
+    say(showLanguage(settings_.values.language, settings_.path().parent_path()));
+    bench_.setForce(settings_.values.force_N);
+    bench_.depth_mm = settings_.values.depth_mm;
+    if (settings_.values.is_perspective)
+      setFieldOfView(camera_, settings_.values.perspective_deg * std::numbers::pi / 180);
+    files_.setFolder(settings_.values.last_folder);
+    if (!options_.replay.empty())
+      bench_.watch(options_.replay);
+    else
+      bench_.beginImports(options_.open);
+
+    while (!wants_end_) KERF_CHECK(frame());
+    game_controller_.shake({});
+    const auto ended = endAll(bench_, *view_);
+    import_view_.reset();
+    view_.reset();
+    if (!ended) return fail(ended.error());
+    return frames_;
+  }
+
+ private:
+  static WorkbenchOptions remembering(WorkbenchOptions options) {
+    options.keeps_recent = true;
+    options.asks_about_runs = true;
+    return options;
+  }
+
+  Expected<void> frame() {
+    const bool is_idle = !bench_.isShown() && !bench_.job();
+    const bool comes_at_once = options_.frames > 0 || desktop_.isBehind();
+    comes_at_once ? glfwPollEvents() : glfwWaitEventsTimeout(is_idle ? 0.25 : 1.0 / 60);
+    glfwGetWindowSize(desktop_.window(), &window_width_, &window_height_);
+    glfwGetFramebufferSize(desktop_.window(), &context_.width, &context_.height);
+    if (context_.width == 0 || context_.height == 0 || window_width_ == 0) {  // minimised
+      bench_.release();                                                       // no cutting while hidden
+      bench_.arm().pause(true);
+      (void)desktop_.takeEvents();
+      (void)game_controller_.read();
+      game_controller_.shake({});
+      files_.takeAnswer(context_);
+      view_->update(bench_);
+      printNotices();
+      glfwWaitEventsTimeout(0.1);
+      endIfAsked();
+      if (context_.is_asking_to_quit) glfwRestoreWindow(desktop_.window());
+      return {};
+    }
+
+    bench_.arm().pause(files_.isShown());
+    view_->update(bench_);
+    printNotices();
+    if (!bench_.scene().bounds().isEmpty() && view_->takeFitWanted()) fitFirst();
+    if (bench_.isShown() && !bench_.scene().bounds().isEmpty()) box_ = bench_.scene().bounds();
+    updateImport();
+    updateSound();
+    applySettings();
+    desktop_.beginFrame();
+    handleInput();
+    if (panels_.import.shows_guides) drawImportGuides(context_, pixels());
+    drawPanels(context_, panels_, over_);
+    if (std::exchange(context_.wants_palette, false)) palette_.show();
+    if (const AppCommand* const command = drawPalette(context_, palette_)) askForFile(*command);
+    files_.update(context_);
+    ImGui::Render();
+
+    const bool is_still =
+        secondsSince(last_input_) > kStillAfter && !bench_.isPressed() && !bench_.isLed() && !bench_.isPlaying();
+    const bool is_smooth = is_still && !is_software_;
+    if (bench_.isImporting())
+      KERF_CHECK(import_view_->draw(camera_, context_.width, context_.height, is_smooth));
+    else
+      KERF_CHECK(view_->draw(bench_, camera_, context_.width, context_.height,
+                             is_smooth  ? LiveView::Edges::kSmooth
+                             : is_still ? LiveView::Edges::kByAndBy
+                                        : LiveView::Edges::kFast));
+    ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+    glfwSwapBuffers(desktop_.window());
+
+    // Waits until all of the surface is on the graphics card and no hand is at work.
+    if (is_still && !view_->isUploading() && std::exchange(is_picture_due_, false)) takePicture();
+    ++frames_;
+    endIfAsked();
+    wants_end_ |= options_.frames > 0 && frames_ >= options_.frames;
+    return {};
+  }
+
+  // For a terminal, if enabled.
+  void printNotices() {
+    if (!options_.tells) return;
+    for (const auto& notices = bench_.notices(); told_ < notices.size(); ++told_)
+      printText(stderr, "kerf-sim: {}: {}\n", notices[told_].is_error ? "error" : "note", notices[told_].text);
+  }
+
+  // The window's close button asks like the command; a signal does not.
+  void endIfAsked() {
+    if (glfwWindowShouldClose(desktop_.window())) {
+      glfwSetWindowShouldClose(desktop_.window(), GLFW_FALSE);
+      say(runAppCommand(context_, "app.quit"));
+    }
+    wants_end_ = context_.wants_quit || toldToEnd() != 0;
+  }
+
+  // From the first session on. Without a device there is no sound, and one notice.
+  void updateSound() {
+    const Settings& now = settings_.values;
+    const double volume = now.is_muted ? 0 : 0.01 * now.sound_volume;
+    if (!sound_ && bench_.isOpen() && volume > 0) sound_ = std::make_unique<SoundThread>(openAlsa);
+    if (!sound_) return;
+
+    DrillSoundInput heard;
+    if (bench_.isOpen()) {
+      const std::size_t n = bench_.toolInHand();
+      heard = drillSoundOf(bench_.report(), bench_.tool(n), bench_.run()->model().tools[n].drive, volume);
+    }
+    sound_->play(heard);
+    if (const auto error = sound_->takeError()) bench_.say(phrase("The drill is silent: {}", error->found));
+  }
+
+  // Theme and scale, if they have changed.
+  void applySettings() {
+    const Settings& now = settings_.values;
+    if (applied_ && applied_->theme == now.theme && applied_->ui_scale == now.ui_scale) return;
+    applied_ = now;
+    desktop_.restyle(now.theme, static_cast<float>(now.ui_scale));
+    const StyleColours& colours = styleColours();
+    view_->setBackground(colours.background_middle, colours.background_edge);
+    import_view_->setBackground(colours.background_middle, colours.background_edge);
+  }
+
+  static double secondsSince(Clock::time_point then) {
+    return std::chrono::duration<double>(Clock::now() - then).count();
+  }
+
+  void fitFirst() {
+    camera_before_import_.reset();  // another document is open now
+    const auto camera = cameraFromView(options_.view);
+    firstView(context_, camera ? *camera : Camera{});
+    setTitle(bench_.name());
+    box_ = bench_.scene().bounds();
+    picture_of_ = bench_.source();
+    is_picture_due_ = true;
+  }
+
+  // A small picture of the document for the first screen: once after opening, and again when leaving.
+  void takePicture() {
+    if (picture_of_.empty() || box_.isEmpty()) return;
+    Camera camera = camera_;
+    fitToBox(camera, box_, kCardWidth, kCardHeight);
+    view_->hover({});
+    auto image = view_->picture(bench_, camera, kCardWidth, kCardHeight);
+    if (!image) return;  // a missing picture is no failure
+    writing_picture_ = std::make_unique<Job<void>>(
+        "a picture", [image = std::move(*image), to = bench_.recent().pictureOf(picture_of_)](const Progress&) {
+          std::error_code ignored;
+          fs::create_directories(to.parent_path(), ignored);
+          return writePng(to, image);
+        });
+  }
+
+  // `what` is shown unchanged: a name, or translated words.
+  void setTitle(const std::string& what) {
+    glfwSetWindowTitle(desktop_.window(), (what.empty() ? "Kerf" : what + " - Kerf").c_str());
+  }
+
+  // During an import an open session pauses; its view returns when the import is closed.
+  void updateImport() {
+    const ImportSet* const set = bench_.importSet();
+    import_view_->update(set ? std::optional(set->picture(panels_.import.shows_solid)) : std::nullopt);
+    if (set && !camera_before_import_) camera_before_import_ = camera_;
+    if (!set && camera_before_import_) {
+      if (!view_->isFitWanted()) {
+        camera_ = *camera_before_import_;
+        setTitle(bench_.isOpen() ? bench_.name() : "");
+      }
+      camera_before_import_.reset();
+    }
+    if (set && import_view_->takeFitWanted()) {
+      viewScan(context_, pixels());
+      setTitle(phrase("Import {}", set->entries().front().file.filename().string()));
+    }
+  }
+
+  // ---- Input
+
+  double pixels() const { return static_cast<double>(context_.width) / window_width_; }
+  Pixel pointer() const { return pixels() * Pixel(x_, y_); }
+  Ray rayAt(double x, double y) const { return rayAtPixel(pixels() * Pixel(x, y)); }
+  Ray rayAtPixel(const Pixel& at) const { return rayUnder(camera_, at[0], at[1], context_.width, context_.height); }
+
+  void handleInput() {
+    const ImGuiIO& io = ImGui::GetIO();
+    for (const InputEvent& e : desktop_.takeEvents()) {
+      last_input_ = Clock::now();
+      switch (e.kind) {
+        case InputEvent::Kind::kDrop:
+          bench_.importMore(e.paths);
+          break;
+        case InputEvent::Kind::kKey:
+          key(e, io.WantTextInput);
+          break;
+        case InputEvent::Kind::kCharacter:
+          if (palette_.isShown()) palette_.type(e.path);
+          break;
+        case InputEvent::Kind::kButton:
+          button(e, io.WantCaptureMouse);
+          break;
+        case InputEvent::Kind::kMove:
+          move(e);
+          break;
+        case InputEvent::Kind::kScroll:
+          if (!io.WantCaptureMouse) scroll(e.y);
+          break;
+      }
+    }
+    takeDevices();
+    pressHarder(io.KeyShift && !bench_.isOnPedal());  // Shift means a larger step there
+    panels_.pixels = pixels();
+    context_.pointer = io.WantCaptureMouse ? std::nullopt : std::optional(std::array{pointer()[0], pointer()[1]});
+    panels_.piece_drag.hover(context_, pointer());
+    const bool is_on_handle = panels_.piece_drag.lit().has_value();
+    const bool is_picking = bench_.saw().picking.what() != SawPicking::What::kNothing;
+    const bool is_on_panel = io.WantCaptureMouse && !is_led_by_device_;
+    const bool hovers = !is_on_panel && held_ == kNone && !is_on_handle && !is_picking && !bench_.isImporting();
+    over_ = hovers ? bench_.over(rayAtPixel(stroke_.at())) : std::nullopt;
+    if (bench_.isPressed() || bench_.isLed() || bench_.saw().isCutting()) over_.reset();
+    view_->hover(over_);
+  }
+
+  // Gamepad and SpaceMouse. A window without the focus ignores them.
+  void takeDevices() {
+    const Clock::time_point now = Clock::now();
+    const double seconds = std::chrono::duration<double>(now - std::exchange(devices_read_, now)).count();
+    const bool is_ours =
+        bench_.isOpen() && !bench_.isImporting() && glfwGetWindowAttrib(desktop_.window(), GLFW_FOCUSED) == GLFW_TRUE;
+    const auto pad = game_controller_.read();
+    gamepad_.update(context_, stroke_, is_ours ? pad : std::nullopt, seconds);
+    shakePad(is_ours);
+    if (const auto news = game_controller_.news()) bench_.say(*news);
+    if (const auto news = space_mouse_link_.news()) bench_.say(*news);
+    const auto knob = space_mouse_link_.read();
+    showDevices(knob, pad);
+    space_mouse_.update(context_, stroke_, settings_.values.space_mouse, is_ours ? knob : std::nullopt, seconds);
+    if (!gamepad_.isUsed() && !space_mouse_.isUsed()) return;
+    is_led_by_device_ = true;
+    last_input_ = now;
+  }
+
+  // The pad shakes while it drills. It stands still out of focus, in a pause, and when nothing turns.
+  void shakePad(bool is_ours) {
+    const bool shakes = is_ours && gamepad_.isUsed() && bench_.isPressed();
+    game_controller_.shake(shakes ? rumbleOf(bench_.report(), bench_.driveShare()) : Rumble{});
+  }
+
+  // For their panel, while it is shown.
+  void showDevices(const std::optional<SpaceMouseState>& knob, const std::optional<GamepadState>& pad) {
+    if (!context_.shows_device) return;
+    panels_.devices = {knob, space_mouse_link_.name(), space_mouse_link_.trouble(),   space_mouse_link_.battery(),
+                       pad,  game_controller_.name(),  game_controller_.isJoystick(), game_controller_.canShake()};
+  }
+
+  // During text input only closing the window is a command.
+  void key(const InputEvent& e, bool is_text) {
+    if (!e.is_down) return keyUp(e.key);
+    if (takesForceAway(e)) return;
+    if (palette_.isShown()) return paletteKey(e.key);
+    if (files_.takesKeys() && (e.key == GLFW_KEY_ENTER || e.key == GLFW_KEY_KP_ENTER)) return files_.accept();
+    if (files_.takesKeys() && e.key == GLFW_KEY_ESCAPE) return files_.cancel();
+    const bool is_enter = e.key == GLFW_KEY_ENTER || e.key == GLFW_KEY_KP_ENTER;
+    if (is_enter || e.key == GLFW_KEY_ESCAPE)
+      if (quitQuestionKey(context_, is_enter) || exportPanelKey(context_, is_enter)) return;
+    if (context_.shows_settings && e.key == GLFW_KEY_ESCAPE) {
+      context_.shows_settings = false;
+      return;
+    }
+    const bool is_alt = e.key == GLFW_KEY_LEFT_ALT || e.key == GLFW_KEY_RIGHT_ALT;
+    if (is_alt && !e.is_repeated) return stroke_.tapAlt(context_, e.s);
+    if (!is_text && leadsStroke(e)) return;
+    const int modifiers = e.modifiers & (GLFW_MOD_CONTROL | GLFW_MOD_SHIFT | GLFW_MOD_ALT);
+    for (const AppCommand& command : appCommands()) {
+      if (command.key.empty() || keyChord(command.key) != KeyChord{e.key, modifiers}) continue;
+      if (is_text && command.id != "app.quit") return;
+      if (!command.is_enabled(context_)) continue;  // Esc runs its first enabled command
+      if (asksForFile(command))
+        askForFile(command);
+      else
+        say(command.run(context_, {}));
+      if (std::exchange(context_.wants_palette, false)) palette_.show();  // it gets the next characters
+      return;
+    }
+  }
+
+  // Works whichever control has the keys.
+  bool takesForceAway(const InputEvent& e) {
+    const AppCommand& disarm = *findAppCommand("device.disarm");
+    if (keyChord(disarm.key).key != e.key || !disarm.is_enabled(context_)) return false;
+    say(disarm.run(context_, {}));
+    return true;
+  }
+
+  // The foot pedal ends with its key.
+  void keyUp(int key) {
+    if (key == GLFW_KEY_SPACE && bench_.isOnPedal()) bench_.release();
+  }
+
+  // Keys that hold a stroke or nudge it.
+  bool leadsStroke(const InputEvent& e) {
+    if (e.key == GLFW_KEY_SPACE && e.modifiers == 0 && bench_.watched()) {
+      if (!e.is_repeated) say(runAppCommand(context_, "replay.toggle", {}));
+      return true;
+    }
+    if (e.key == GLFW_KEY_SPACE && e.modifiers == 0) {
+      const bool is_over_picture = context_.pointer.has_value();
+      if (!e.is_repeated && bench_.isOpen() && !bench_.isImporting())
+        bench_.stepOnPedal(is_over_picture ? std::optional(rayAtPixel(stroke_.at())) : std::nullopt);
+      return true;
+    }
+    if (!bench_.isPressed()) return false;
+    const std::optional<Vec3d> direction = nudgeOf(e.key);
+    if (!direction) return false;
+    stroke_.nudge(context_, *direction, heldKeys(e.modifiers));
+    return true;
+  }
+
+  static std::optional<Vec3d> nudgeOf(int key) {
+    switch (key) {
+      case GLFW_KEY_RIGHT:
+        return Vec3d::UnitX();
+      case GLFW_KEY_LEFT:
+        return -Vec3d::UnitX();
+      case GLFW_KEY_UP:
+        return Vec3d::UnitY();
+      case GLFW_KEY_DOWN:
+        return -Vec3d::UnitY();
+      case GLFW_KEY_END:
+        return Vec3d::UnitZ();
+      case GLFW_KEY_HOME:
+        return -Vec3d::UnitZ();
+      default:
+        return {};
+    }
+  }
+
+  HeldKeys heldKeys(int modifiers) const {
+    const bool tilts = (modifiers & GLFW_MOD_ALT) && held_ == kNone && bench_.isOpen();
+    return {tilts, (modifiers & GLFW_MOD_CONTROL) != 0, (modifiers & GLFW_MOD_SHIFT) != 0};
+  }
+
+  // Typed text comes as characters.
+  void paletteKey(int key) {
+    if (key == GLFW_KEY_ESCAPE) palette_.back();
+    if (key == GLFW_KEY_BACKSPACE) palette_.erase();
+    if (key == GLFW_KEY_UP) palette_.move(-1);
+    if (key == GLFW_KEY_DOWN) palette_.move(1);
+    if (key != GLFW_KEY_ENTER && key != GLFW_KEY_KP_ENTER) return;
+    if (const AppCommand* const command = palette_.accept(context_)) askForFile(*command);
+  }
+
+  void say(const Expected<void>& done) {
+    if (!done) bench_.complain(done.error());
+  }
+
+  // The left button picks points or a line of a plane.
+  bool isPicking(const InputEvent& e) const {
+    return e.key == GLFW_MOUSE_BUTTON_LEFT && bench_.saw().picking.what() != SawPicking::What::kNothing;
+  }
+
+  void button(const InputEvent& e, bool is_on_panel) {
+    x_ = e.x;
+    y_ = e.y;
+    SawPicking& picking = bench_.saw().picking;
+    if (isPicking(e) && !is_on_panel && e.is_down && bench_.isOpen())
+      return say(picking.press(bench_.saw(), rayAt(x_, y_)));
+    if (!e.is_down && picking.lineFrom() && e.key == GLFW_MOUSE_BUTTON_LEFT)
+      return say(picking.release(bench_.saw(), rayAt(x_, y_)));
+
+    if (!e.is_down) {
+      if (e.key == GLFW_MOUSE_BUTTON_LEFT) {
+        panels_.piece_drag.release(context_, pointer());
+        stroke_.release(context_);
+      }
+      if (e.key == held_) held_ = kNone;
+      return;
+    }
+    if (is_on_panel) return;
+    palette_.hide();
+    if (e.key == GLFW_MOUSE_BUTTON_LEFT && panels_.piece_drag.press(context_, pointer())) return;
+    if (e.key != GLFW_MOUSE_BUTTON_LEFT || bench_.isImporting() || !stroke_.press(context_, pointer())) {
+      held_ = e.key;
+      pans_ = e.key == GLFW_MOUSE_BUTTON_MIDDLE || (e.modifiers & GLFW_MOD_SHIFT);
+      pivot_ = pans_ ? std::nullopt : pointUnder(context_, pointer()[0], pointer()[1]);
+    }
+  }
+
+  void move(const InputEvent& e) {
+    const double dx = (e.x - x_) * pixels(), dy = (e.y - y_) * pixels();
+    x_ = e.x;
+    y_ = e.y;
+    is_led_by_device_ = false;
+    if (panels_.piece_drag.isOn()) return panels_.piece_drag.move(context_, pointer());
+    stroke_.move(context_, pointer(), heldKeys(e.modifiers));
+    if (bench_.isPressed() && !bench_.isOnPedal()) return;
+    bench_.saw().picking.move(rayAt(x_, y_));
+    if (held_ == kNone) return;
+    if (pans_)
+      pan(camera_, dx, dy, context_.height);
+    else
+      orbitAbout(camera_, pivot_.value_or(camera_.target), dx, dy);
+  }
+
+  void scroll(double notches) {
+    if (bench_.isPressed()) return bench_.deepen(-kNotch * notches);
+    zoomAt(context_, pointer()[0], pointer()[1], std::pow(1.15, notches));
+  }
+
+  void pressHarder(bool is_wanted) {
+    const bool is_harder = is_wanted && bench_.isPressed();
+    if (is_harder == is_harder_) return;
+    is_harder_ = is_harder;
+    bench_.pushHarder(is_harder ? kHarder : 1);
+  }
+
+  // ---- Files
+
+  void askForFile(const AppCommand& command) { files_.ask(context_, command); }
+
+  static constexpr int kNone = -1;
+  const WorkshopOptions& options_;
+  Desktop desktop_;  // before members that need its context
+  Workbench bench_;
+  Camera camera_;
+  SettingsFile settings_;
+  std::optional<Settings> applied_;  // theme and scale of the panels
+  AppContext context_{.bench = bench_, .camera = camera_, .settings = &settings_};
+  std::unique_ptr<LiveView> view_;
+  std::unique_ptr<ImportView> import_view_;
+  std::optional<Camera> camera_before_import_;
+  std::unique_ptr<Job<void>> writing_picture_;
+  std::unique_ptr<SoundThread> sound_;
+  bool is_picture_due_ = false;
+  fs::path picture_of_;  // last shown document, and its box
+  Box3 box_;
+  PanelState panels_;
+  FileChooser files_;
+  CommandPalette palette_;
+  StrokePointer stroke_;
+  GamepadHand gamepad_;
+  GameController game_controller_;
+  SpaceMouseLink space_mouse_link_;
+  SpaceMouseHand space_mouse_;
+  Clock::time_point devices_read_ = Clock::now();
+  bool is_led_by_device_ = false;  // the mouse has not moved since
+  std::optional<ToolOverSurface> over_;
+  Clock::time_point last_input_ = Clock::now();
+  double x_ = 0, y_ = 0;  // of the pointer, window units
+  int window_width_ = 1, window_height_ = 1;
+  int held_ = kNone;
+  std::optional<Vec3d> pivot_;  // place under the cursor when the turn began
+  bool pans_ = false, is_harder_ = false, wants_end_ = false, is_software_ = true;
+  int frames_ = 0;
+  std::size_t told_ = 0;  // notices
+};
+
+}  // namespace
+
+Expected<int> runWorkshop(const WorkshopOptions& options) {
+  // The software renderer draws in the calling thread: the other core is the haptic thread's.
+  ::setenv("LP_NUM_THREADS", std::thread::hardware_concurrency() <= 2 ? "0" : "2", 0);
+  return Workshop(options).run();
+}
+
+}  // namespace kerf

@@ -1,0 +1,35 @@
+// Menus and panels around the picture. They show a workbench and run commands; they hold no other state.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "ui/app/commands/app_commands.h"
+#include "ui/window/panels/device_panel.h"
+#include "ui/window/panels/import_panel.h"
+#include "ui/window/panels/pieces_panel.h"
+#include "ui/window/panels/saw_panel.h"
+#include "ui/window/panels/tool_panel.h"
+#include "ui/window/screens/first_screen.h"
+
+namespace kerf {
+
+/// State of the panels between two frames.
+struct PanelState {
+  /// For commands whose parameter is a path: asks for a file first. Set by the window.
+  std::function<void(const AppCommand&)> ask_for_file;
+  std::size_t notices_seen = 0;   ///< earlier ones are dismissed
+  std::size_t notices_drawn = 0;  ///< in the last frame
+  ToolPanelState tools{};
+  PieceDrag piece_drag{};
+  double pixels = 1;  ///< of the picture per window unit
+  ImportPanelState import;
+  FirstScreen first;
+  SawPanelState saw{};
+  DevicePanelState devices{};
+};
+
+/// Menu bar, tools, readings, job, notices; the first screen while no document is open.
+void drawPanels(AppContext& context, PanelState& state, const std::optional<ToolOverSurface>& over);
+
+}  // namespace kerf

@@ -1,0 +1,224 @@
+#include "ui/window/panels/pieces_panel.h"
+
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "ui/app/base/language.h"
+#include "ui/app/view/piece_colours.h"
+#include "ui/window/gl/style.h"
+#include "ui/window/gl/widgets.h"
+
+namespace kerf {
+namespace {
+
+constexpr std::array<ImU32, 3> kAxisColours = {IM_COL32(214, 66, 56, 255), IM_COL32(54, 150, 60, 255),
+                                               IM_COL32(48, 104, 214, 255)};
+constexpr ImU32 kLit = IM_COL32(250, 176, 20, 255), kDiscColour = IM_COL32(250, 250, 250, 230),
+                kPieceEdge = IM_COL32(30, 34, 40, 220);
+
+// ---- Handles
+
+void drawGizmo(const PieceGizmo& gizmo, std::optional<GizmoHandle> lit, double pixels) {
+  ImDrawList* const draw = ImGui::GetBackgroundDrawList();
+  const auto at = [pixels](const Pixel& p) {
+    return ImVec2(static_cast<float>(p[0] / pixels), static_cast<float>(p[1] / pixels));
+  };
+  const auto colour = [&](int handle, int axis) {
+    return lit == static_cast<GizmoHandle>(handle) ? kLit : kAxisColours[static_cast<std::size_t>(axis)];
+  };
+
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<ImVec2> points;
+    for (const Pixel& p : gizmo.ring(axis)) points.push_back(at(p));
+    draw->AddPolyline(points.data(), static_cast<int>(points.size()), colour(3 + axis, axis), ImDrawFlags_Closed, 2);
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    const Pixel from = gizmo.center(), tip = gizmo.arrowTip(axis), along = tip - from;
+    if (along.norm() < 4) continue;
+    const Pixel unit = along.normalized(), side(-unit[1], unit[0]);
+    draw->AddLine(at(from), at(tip), colour(axis, axis), 3);
+    draw->AddTriangleFilled(at(tip + 12 * unit), at(tip + 6 * side), at(tip - 6 * side), colour(axis, axis));
+    static constexpr const char* kNames[] = {"x", "y", "z"};
+    ui::addText(*draw, at(tip + 22 * unit - Pixel(4, 8)), colour(axis, axis), kNames[axis]);
+  }
+  const auto radius = static_cast<float>(PieceGizmo::kDisc / pixels);
+  draw->AddCircleFilled(at(gizmo.center()), radius, lit == GizmoHandle::kMoveInView ? kLit : kDiscColour);
+  draw->AddCircle(at(gizmo.center()), radius, kPieceEdge, 0, 1.5f);
+}
+
+// ---- The list
+
+void drawMove(Workbench& bench, const SceneObject& piece) {
+  Rigid3 pose = piece.pose();
+  std::array<float, 3> mm{};
+  for (int axis = 0; axis < 3; ++axis) mm[static_cast<std::size_t>(axis)] = static_cast<float>(pose.translation[axis]);
+  ui::text("Moved by, mm");
+  ImGui::PushItemWidth(-1);
+  const bool is_changed = ui::inputFloat3("##mm", mm.data(), "%.2f", ImGuiInputTextFlags_EnterReturnsTrue);
+  ImGui::PopItemWidth();
+  if (is_changed) {
+    for (int axis = 0; axis < 3; ++axis)
+      pose.translation[axis] = static_cast<double>(mm[static_cast<std::size_t>(axis)]);
+    bench.movePiece(piece.id, pose);
+  }
+  const double degrees = 2 * std::acos(std::clamp(std::abs(pose.rotation.w()), 0.0, 1.0)) * 180 / std::numbers::pi;
+  ui::text(phrase("Turned by {:.1f} degrees", degrees));
+  if (ui::button("Put back", {-1, 0})) bench.movePiece(piece.id, {});
+}
+
+// Below its name and volume. The first piece also counts the volume removed before the split.
+void drawRemoved(const SceneObject& piece) {
+  constexpr double kLeast = 0.005;  // mm^3: less would show as zero
+  if (piece.removed_mm3 < kLeast) return;
+  ImGui::Indent(scaled(30));
+  ui::textDisabled(phrase("{:.2f} mm3 removed from it", piece.removed_mm3));
+  ImGui::Unindent(scaled(30));
+}
+
+ImVec4 shown(const Rgba8& c) {
+  const auto one = [](std::uint8_t v) { return static_cast<float>(v) / 255; };
+  return {one(c[0]), one(c[1]), one(c[2]), 1};
+}
+
+void giveColour(AppContext& context, const char* name) {
+  const auto done = runAppCommand(context, "piece.colour", std::vector<std::string>{name});
+  if (!done) context.bench.complain(done.error());
+}
+
+// The palette; the current colour has a frame.
+void drawColours(AppContext& context, const SceneObject& piece) {
+  constexpr auto kFlags = ImGuiColorEditFlags_NoTooltip | ImGuiColorEditFlags_NoPicker | ImGuiColorEditFlags_NoDragDrop;
+  for (const PieceColour& colour : pieceColours()) {
+    ImGui::PushStyleVar(ImGuiStyleVar_FrameBorderSize, piece.colour == colour.name ? scaled(2) : 0);
+    if (ImGui::ColorButton(colour.name, shown(colour.colour), kFlags, {scaled(20), scaled(20)}))
+      giveColour(context, colour.name);
+    ImGui::PopStyleVar();
+    if (ImGui::IsItemHovered()) ui::setTooltip(colour.name);
+    ImGui::SameLine(0, scaled(4));
+  }
+  if (ui::smallButton("None")) giveColour(context, "none");
+}
+
+void drawList(AppContext& context, PanelColumn& column) {
+  Workbench& bench = context.bench;
+  column.place();
+  ui::begin("Pieces", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
+  const SceneObject* const chosen = bench.chosenPiece();
+  for (SceneObject* piece : bench.scene().shown()) {
+    if (piece->isBeside()) continue;
+    ImGui::PushID(static_cast<int>(piece->id));
+    bool is_shown = !piece->is_hidden;
+    if (ui::checkbox("##shown", &is_shown)) bench.hidePiece(piece->id, !is_shown);
+    if (ImGui::IsItemHovered()) ui::setTooltip("Show it");
+    ImGui::SameLine();
+    if (const PieceColour* const colour = findPieceColour(piece->colour)) {
+      const ImVec2 at = ImGui::GetCursorScreenPos();
+      const float half = 0.5f * ImGui::GetFrameHeight();
+      ImGui::GetWindowDrawList()->AddCircleFilled({at.x + scaled(4), at.y + half}, scaled(4),
+                                                  ImGui::ColorConvertFloat4ToU32(shown(colour->colour)), 16);
+      ImGui::SetCursorPosX(ImGui::GetCursorPosX() + scaled(12));
+    }
+    const std::string volume =
+        fmt::format("{:.{}f} mm3{}", piece->surface.volume(), piece->surface.volume() < 100 ? 1 : 0,
+                    shownText(piece->isMoved() ? ", moved" : ""));
+    if (ui::selectable(ui::asItIs(piece->name), piece == chosen, 0, {scaled(90), 0}))
+      bench.choosePiece(piece == chosen ? std::nullopt : std::optional(piece->id));
+    ImGui::SameLine();
+    ui::textDisabled(volume);
+    drawRemoved(*piece);
+    ImGui::PopID();
+  }
+  if (chosen) {
+    ImGui::Separator();
+    std::array<char, 64> name{};
+    chosen->name.copy(name.data(), name.size() - 1);
+    ImGui::PushItemWidth(-1);
+    if (ui::inputText("##name", name.data(), name.size(), ImGuiInputTextFlags_EnterReturnsTrue))
+      bench.namePiece(chosen->id, name.data());
+    ImGui::PopItemWidth();
+    drawColours(context, *chosen);
+    drawMove(bench, *chosen);
+  } else {
+    ui::textDisabled("Click one to move or name it");
+  }
+  column.take();
+  ImGui::End();
+}
+
+// The neighbours.
+void drawBeside(Workbench& bench, PanelColumn& column) {
+  column.place();
+  ui::begin("Beside", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
+  for (const SceneObject* object : bench.scene().shown()) {
+    if (!object->isBeside()) continue;
+    ImGui::PushID(static_cast<int>(object->id));
+    bool is_shown = !object->is_hidden, is_ghost = object->is_ghost;
+    if (ui::checkbox("##shown", &is_shown)) bench.hidePiece(object->id, !is_shown);
+    if (ImGui::IsItemHovered()) ui::setTooltip("Show it; the tool meets it all the same");
+    ImGui::SameLine();
+    if (ui::checkbox("##ghost", &is_ghost)) bench.ghostNeighbour(object->id, is_ghost);
+    if (ImGui::IsItemHovered()) ui::setTooltip("A ghost: translucent, and not pointed at");
+    ImGui::SameLine();
+    ui::text(ui::asItIs(object->name));
+    ImGui::PopID();
+  }
+  bool stops = bench.stop_short_beside_mm.has_value();
+  if (ui::checkbox("Stop short of them", &stops))
+    bench.stopShortBeside(stops ? std::optional(Workbench::kUsualShortBeside) : std::nullopt);
+  column.take();
+  ImGui::End();
+}
+
+}  // namespace
+
+std::optional<PieceGizmo> gizmoOf(const AppContext& context) {
+  const SceneObject* const piece = context.bench.chosenPiece();
+  if (!piece || piece->is_hidden || piece->isBeside()) return {};
+  return PieceGizmo(context.camera, context.width, context.height, piece->pose() * piece->surface.bounds().center());
+}
+
+bool PieceDrag::press(AppContext& context, const Pixel& at) {
+  const SceneObject* const piece = context.bench.chosenPiece();
+  gizmo_ = gizmoOf(context);
+  if (!piece || !gizmo_) return false;
+  handle_ = gizmo_->handleAt(at);
+  if (!handle_) return false;
+  piece_ = piece->id;
+  pose_ = piece->pose();
+  from_ = at;
+  return true;
+}
+
+void PieceDrag::move(AppContext& context, const Pixel& at) {
+  if (handle_) context.bench.dragPiece(piece_, gizmo_->dragged(*handle_, from_, at, pose_));
+}
+
+void PieceDrag::release(AppContext& context, const Pixel& at) {
+  if (!handle_) return;
+  if (at == from_)
+    context.bench.dragPiece(piece_, std::nullopt);
+  else
+    context.bench.movePiece(piece_, gizmo_->dragged(*handle_, from_, at, pose_));
+  handle_.reset();
+}
+
+void PieceDrag::hover(const AppContext& context, const Pixel& at) {
+  const auto gizmo = gizmoOf(context);
+  hovered_ = gizmo ? gizmo->handleAt(at) : std::nullopt;
+}
+
+void drawPieces(AppContext& context, const PieceDrag& drag, PanelColumn& column, double pixels) {
+  const auto shown = context.bench.scene().shown();
+  const bool is_moved = std::any_of(shown.begin(), shown.end(), [](const auto* piece) { return piece->isMoved(); });
+  if (context.bench.scene().pieceCount() < shown.size()) drawBeside(context.bench, column);
+  if (context.bench.scene().pieceCount() < 2 && !is_moved) return;
+  drawList(context, column);
+  if (const auto gizmo = gizmoOf(context)) drawGizmo(*gizmo, drag.lit(), pixels);
+}
+
+}  // namespace kerf

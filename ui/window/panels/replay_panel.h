@@ -1,0 +1,13 @@
+// The panels of a replay: a scrub bar with steps below, force and removed volume at the right. And the dialog for an
+// opened run: continue it, or watch it.
+#pragma once
+
+#include "ui/app/commands/app_commands.h"
+
+namespace kerf {
+
+void drawReplay(AppContext& context);
+/// Draws nothing unless the user has opened a run.
+void drawRunQuestion(AppContext& context);
+
+}  // namespace kerf

@@ -1,0 +1,127 @@
+#include "ui/window/panels/tissues_panel.h"
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ui/app/base/language.h"
+#include "ui/app/commands/tissue_commands.h"
+#include "ui/app/view/tissue_display.h"
+#include "ui/window/gl/style.h"
+#include "ui/window/gl/widgets.h"
+
+namespace kerf {
+namespace {
+
+constexpr float kLegendHeight = 14;
+constexpr int kLegendSteps = 50;
+
+void runTissues(AppContext& context, const char* id, const std::vector<std::string>& words) {
+  if (const auto done = runAppCommand(context, id, words); !done) context.bench.complain(done.error());
+}
+
+ImVec4 shownTissues(const Rgba8& c) {
+  const auto one = [](std::uint8_t v) { return static_cast<float>(v) / 255; };
+  return {one(c[0]), one(c[1]), one(c[2]), 1};
+}
+
+// Removed share of the volume as loaded.
+void drawRemovedTissues(double whole_mm3, double removed_mm3) {
+  constexpr double kLeast = 0.005;  // mm^3
+  if (removed_mm3 < kLeast || whole_mm3 <= 0) return;
+  ui::textColored(styleColours().quiet, phrase("    {:.2f} of {:.1f} mm3 gone ({:.1f} %)", removed_mm3, whole_mm3,
+                                               100 * removed_mm3 / whole_mm3));
+}
+
+void drawTissueRow(AppContext& context, const SeenTissue& tissue) {
+  ImGui::PushID(tissue.id.c_str());
+  bool is_seen = tissue.look != TissueLook::kHide;
+  if (ui::checkbox("##seen", &is_seen)) runTissues(context, "view.tissue", {tissue.id, is_seen ? "show" : "hide"});
+  if (ImGui::IsItemHovered()) ui::setTooltip("Show it, or hide it");
+  ImGui::SameLine();
+  ImGui::ColorButton("##colour", shownTissues(tissue.colour),
+                     ImGuiColorEditFlags_NoTooltip | ImGuiColorEditFlags_NoPicker, {scaled(16), scaled(16)});
+  ImGui::SameLine();
+  ui::text(tissue.name);
+
+  ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - scaled(66));
+  bool is_ghost = tissue.look == TissueLook::kGhost;
+  if (ui::checkbox("ghost", &is_ghost)) runTissues(context, "view.tissue", {tissue.id, is_ghost ? "ghost" : "show"});
+  if (ImGui::IsItemHovered()) ui::setTooltip("Let what is under it shine through");
+  drawRemovedTissues(tissue.mm3, context.bench.removedOf(tissue.material));
+  ImGui::PopID();
+}
+
+struct ColoursRow {
+  SurfaceColours colours;
+  const char* word;  // of the command
+  const char* text;
+};
+constexpr std::array<ColoursRow, 4> kColours = {
+    {{SurfaceColours::kTissue, "tissue", "tissue"},
+     {SurfaceColours::kScan, "scan", "as scanned"},
+     {SurfaceColours::kDepth, "depth", "depth"},
+     {SurfaceColours::kDistance, "distance", "distance to pulp and nerve"}}};
+
+bool isPossible(const AppContext& context, SurfaceColours colours) {
+  if (colours == SurfaceColours::kScan) return tissue_commands::hasScanColours(context);
+  return colours != SurfaceColours::kDistance || tissue_commands::hasStructures(context);
+}
+
+void drawTissueColours(AppContext& context) {
+  const SurfaceColours now = context.bench.tissues().colours();
+  const auto chosen =
+      std::find_if(kColours.begin(), kColours.end(), [&](const ColoursRow& row) { return row.colours == now; });
+  ImGui::PushItemWidth(-1);
+  if (ui::beginCombo("##colours", phrase("Colours: {}", shownText(chosen->word)))) {
+    for (const ColoursRow& row : kColours) {
+      const auto flags = isPossible(context, row.colours) ? ImGuiSelectableFlags_None : ImGuiSelectableFlags_Disabled;
+      if (ui::selectable(row.text, row.colours == now, flags)) runTissues(context, "view.colours", {row.word});
+    }
+    ImGui::EndCombo();
+  }
+  ImGui::PopItemWidth();
+}
+
+// From 0 at the left to the reach of the map, in the colours of the surface.
+void drawLegend(SurfaceColours colours) {
+  const std::optional<MapLegend> legend = legendOf(colours);
+  if (!legend) return;
+  ui::textColored(styleColours().quiet, legend->title);
+  const ImVec2 from = ImGui::GetCursorScreenPos();
+  const float width = ImGui::GetContentRegionAvail().x, height = scaled(kLegendHeight);
+  for (int n = 0; n < kLegendSteps; ++n) {
+    const double share = (n + 0.5) / kLegendSteps;
+    const Rgba8 c = legend->colourAt(share);
+    const float left = from.x + width * static_cast<float>(n) / kLegendSteps;
+    ImGui::GetWindowDrawList()->AddRectFilled({left, from.y}, {left + width / kLegendSteps + 1, from.y + height},
+                                              IM_COL32(c[0], c[1], c[2], 255));
+  }
+  ImGui::Dummy({width, height});
+  ui::text(legend->low);
+  ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - ui::textSize(legend->high).x);
+  ui::text(legend->high);
+}
+
+}  // namespace
+
+void drawTissues(AppContext& context, PanelColumn& column) {
+  const TissueDisplay& tissues = context.bench.tissues();
+  const bool has_choice = tissues.all().size() > 1 || tissues.hasScanColours();
+  if (!has_choice && tissues.colours() == SurfaceColours::kTissue) return;
+  column.place();
+  ui::begin("Tissues", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize);
+  if (tissues.all().size() > 1)
+    for (const SeenTissue& tissue : tissues.all()) drawTissueRow(context, tissue);
+  drawTissueColours(context);
+  drawLegend(tissues.colours());
+  if (tissues.isBusy()) ui::textColored(styleColours().quiet, "working...");
+  column.take();
+  ImGui::End();
+}
+
+}  // namespace kerf

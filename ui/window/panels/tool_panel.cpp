@@ -1,0 +1,240 @@
+#include "ui/window/panels/tool_panel.h"
+
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "ui/app/base/language.h"
+#include "ui/app/commands/settings.h"
+#include "ui/app/workbench/tool_rack.h"
+#include "ui/window/gl/style.h"
+#include "ui/window/gl/widgets.h"
+
+namespace kerf {
+namespace {
+
+constexpr float kIcon = 30, kRowGap = 2, kStar = 18;
+constexpr int kToolRows = 10;
+
+std::string sizeOf(const Tool& tool) {
+  if (tool.head_diameter_mm > 0) return fmt::format("{:.1f} mm", tool.head_diameter_mm);
+  if (tool.kind == ToolKind::kBlade) return phrase("kerf {:.2f}", tool.kerfWidth());
+  return "";
+}
+
+// "Round bur 014": words, and parts that begin with a number.
+std::string shownName(const Tool& tool) {
+  const std::string_view name = tool.name.empty() ? tool.id : tool.name;
+  const std::size_t number = std::min(name.find_first_of("0123456789"), name.size());
+  return shownText(name.substr(0, number)) + std::string(name.substr(number));
+}
+
+void drawIcon(const std::vector<IconTriangle>& icon, ImVec2 at, float side) {
+  ImDrawList* const draw = ImGui::GetWindowDrawList();
+  const ImDrawListFlags before = draw->Flags;
+  draw->Flags &= ~ImDrawListFlags_AntiAliasedFill;  // avoids seams
+  draw->PushClipRect(at, {at.x + side, at.y + side}, true);
+  for (const IconTriangle& t : icon) {
+    const float light = std::clamp(t.shade, 0.2f, 1.0f);
+    const ImVec4 base = t.is_cutting ? ImVec4(0.93f, 0.76f, 0.36f, 1) : ImVec4(0.74f, 0.77f, 0.81f, 1);
+    const auto corner = [&](std::size_t k) {
+      return ImVec2(at.x + side * t.corners[k][0], at.y + side * t.corners[k][1]);
+    };
+    draw->AddTriangleFilled(corner(0), corner(1), corner(2),
+                            ImGui::GetColorU32({base.x * light, base.y * light, base.z * light, 1}));
+  }
+  draw->PopClipRect();
+  draw->Flags = before;
+}
+
+// Toggles a favourite on a click.
+void drawStar(AppContext& context, const Tool& tool, bool is_favourite) {
+  constexpr int kPoints = 5;
+  constexpr float kInner = 0.42f;
+  const float side = scaled(kIcon), width = scaled(kStar), radius = 0.5f * width - scaled(2);
+  const ImVec2 at = ImGui::GetCursorScreenPos(), middle{at.x + 0.5f * width, at.y + 0.5f * side};
+  if (ImGui::InvisibleButton("##star", {width, side}))
+    if (const auto done = runAppCommand(context, "tool.favourite", std::vector<std::string>{tool.id}); !done)
+      context.bench.complain(done.error());
+  const bool is_hovered = ImGui::IsItemHovered();
+  if (is_hovered) ui::setTooltip(is_favourite ? "A favourite no longer" : "A favourite: first in the rack");
+
+  std::array<ImVec2, 2 * kPoints> corners;
+  for (std::size_t n = 0; n < corners.size(); ++n) {
+    const float angle = static_cast<float>(n) * std::numbers::pi_v<float> / kPoints;
+    const float r = n % 2 == 0 ? radius : kInner * radius;
+    corners[n] = {middle.x + r * std::sin(angle), middle.y - r * std::cos(angle)};
+  }
+  ImDrawList* const draw = ImGui::GetWindowDrawList();
+  const ImU32 colour = ImGui::GetColorU32(is_favourite || is_hovered ? styleColours().warning : styleColours().quiet);
+  if (is_favourite)
+    for (std::size_t n = 0; n < corners.size(); ++n)
+      draw->AddTriangleFilled(middle, corners[n], corners[(n + 1) % corners.size()], colour);
+  draw->AddPolyline(corners.data(), static_cast<int>(corners.size()), colour, ImDrawFlags_Closed, scaled(1));
+  ImGui::SameLine(0, scaled(2));
+}
+
+/// @return  true on a click.
+bool drawRow(AppContext& context, ToolPanelState& state, const RackView& view, std::size_t n) {
+  const Workbench& bench = context.bench;
+  const Tool& tool = bench.tool(n);
+  const float side = scaled(kIcon);
+  ImGui::PushID(static_cast<int>(n));
+  const float right = ImGui::GetCursorScreenPos().x + ImGui::GetContentRegionAvail().x;
+  if (context.settings) drawStar(context, tool, isFavourite(view, tool));
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const bool is_clicked = ui::selectable("##tool", n == bench.toolInHand(), 0, {0, side});
+  const Error* const error = bench.toolError(n);
+  if (ImGui::IsItemHovered())
+    ui::setTooltip(fmt::format("{}\n{}{}{}{}{}", tool.id, tool.description, tool.iso6360.empty() ? "" : "\nISO 6360 ",
+                               tool.iso6360, error ? "\nIt is as it was read before: " : "",
+                               error ? error->message() : ""));
+
+  auto icon = state.icons.find(tool.cut.get());
+  if (icon == state.icons.end()) icon = state.icons.emplace(tool.cut.get(), toolIcon(tool)).first;
+  drawIcon(icon->second, at, side);
+  const float line = ImGui::GetTextLineHeight();
+  ImDrawList* const draw = ImGui::GetWindowDrawList();
+  const std::string size = sizeOf(tool);
+  const float size_at = right - ui::textSize(size).x;
+  draw->PushClipRect(at, {size_at - scaled(6), at.y + side}, true);
+  ui::addText(*draw, {at.x + side + scaled(8), at.y + 0.5f * (side - line)},
+              error ? ImGui::GetColorU32(styleColours().warning) : ImGui::GetColorU32(ImGuiCol_Text), shownName(tool));
+  draw->PopClipRect();
+  ui::addText(*draw, {size_at, at.y + 0.5f * (side - line)}, ImGui::GetColorU32(styleColours().quiet), size);
+  ImGui::PopID();
+  return is_clicked;
+}
+
+// A tool file with errors.
+void drawBroken(const Workbench::BrokenTool& broken) {
+  const float side = scaled(kIcon), line = ImGui::GetTextLineHeight();
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  ImGui::PushID(broken.file.c_str());
+  ui::selectable("##broken", false, 0, {0, side});
+  if (ImGui::IsItemHovered()) ui::setTooltip(broken.error.message());
+  const std::string text = phrase("{}: no tool yet", broken.file.filename().string());
+  ui::addText(*ImGui::GetWindowDrawList(), {at.x + scaled(8), at.y + 0.5f * (side - line)},
+              ImGui::GetColorU32(styleColours().warning), text);
+  ImGui::PopID();
+}
+
+/// @return  the clicked tool. Taking it may close the document, so draw no part of that afterwards.
+std::optional<std::size_t> drawRack(AppContext& context, ToolPanelState& state) {
+  Workbench& bench = context.bench;
+  ImGui::PushItemWidth(-1);
+  const std::string hint = phrase("Search {} tools: round, 1.4, saw...", bench.toolCount());
+  ui::inputTextWithHint("##search", hint, state.search.data(), state.search.size());
+  ImGui::PopItemWidth();
+
+  RackView view{.search = state.search.data(), .shows_all = state.shows_all};
+  std::vector<std::string> favourites;  // a click on a star changes the settings' favourites
+  if (context.settings) favourites = context.settings->values.favourite_tools;
+  view.favourites = favourites;
+  const std::vector<std::size_t> rows = rackRows(bench, view);
+  const std::size_t broken = view.search.empty() ? bench.brokenTools().size() : 0;
+  const float row = scaled(kIcon) + scaled(kRowGap);
+  const auto shown = static_cast<float>(std::clamp<std::size_t>(rows.size() + broken, 1, kToolRows));
+  ImGui::BeginChild("rack", {0, shown * row + scaled(4)});
+  if (state.in_hand != bench.toolInHand()) {
+    state.in_hand = bench.toolInHand();
+    const auto at =
+        static_cast<std::ptrdiff_t>(broken) + (std::find(rows.begin(), rows.end(), state.in_hand) - rows.begin());
+    const float top = static_cast<float>(at) * row;
+    if (top < ImGui::GetScrollY() || top + row > ImGui::GetScrollY() + shown * row) ImGui::SetScrollY(top);
+  }
+  ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {scaled(8), scaled(kRowGap)});
+  ImGuiListClipper clipper;
+  clipper.Begin(static_cast<int>(rows.size() + broken), row);
+  std::optional<std::size_t> clicked;
+  while (clipper.Step())
+    for (auto n = static_cast<std::size_t>(clipper.DisplayStart); n < static_cast<std::size_t>(clipper.DisplayEnd); ++n)
+      if (n < broken)
+        drawBroken(bench.brokenTools()[n]);
+      else if (drawRow(context, state, view, rows[n - broken]))
+        clicked = rows[n - broken];
+  ImGui::PopStyleVar();
+  if (rows.empty() && broken == 0) ui::textDisabled("None is called that");
+  ImGui::EndChild();
+
+  if (bench.firstLookTools() < bench.toolCount() && !state.search[0]) {
+    const std::string label = state.shows_all ? shownText("Show fewer") : phrase("Show all {}", bench.toolCount());
+    if (ui::smallButton(label + "###all")) state.shows_all = !state.shows_all;
+  }
+  return clicked;
+}
+
+// Shown if there are structures to keep.
+void drawStopShort(Workbench& bench) {
+  if (bench.structures()->isEmpty()) return;
+  bool is_on = bench.stop_short_mm.has_value();
+  std::string names;
+  for (const Structures::Structure& s : bench.structures()->all())
+    names += (names.empty() ? "" : ", ") + shownText(bench.nameOf(s.material));
+  if (ui::checkbox(phrase("Stop short of {}", names) + "###short", &is_on))
+    bench.stopShort(is_on ? std::optional(Workbench::kUsualShort) : std::nullopt);
+  if (!is_on) return;
+  auto short_of = static_cast<float>(*bench.stop_short_mm);
+  if (ui::sliderFloat("##short_of", &short_of, 0, 2, "%.1f mm", ImGuiSliderFlags_AlwaysClamp))
+    bench.stopShort(0.1 * std::round(10 * static_cast<double>(short_of)));
+}
+
+// Tilt of the tool; shown while it leans.
+void drawTilt(AppContext& context) {
+  Tilt& tilt = context.bench.tilt;
+  if (tilt.isUpright()) return;
+  constexpr double kDegree = std::numbers::pi / 180;
+  ui::text(phrase("Tilt {:.0f} deg, towards {:.0f} deg", tilt.angle / kDegree,
+                  azimuthInView(context.camera, tilt) / kDegree));
+  ImGui::SameLine();
+  if (ui::smallButton("Upright")) tilt = {};
+}
+
+void drawToolHand(Workbench& bench) {
+  ImGui::PushItemWidth(-1);
+  float force = static_cast<float>(bench.force), depth = static_cast<float>(bench.depth_mm);
+  float speed = static_cast<float>(100 * bench.speed);
+  float spray = static_cast<float>(100 * bench.irrigation);
+  ui::text("Push");
+  if (ui::sliderFloat("##force", &force, static_cast<float>(Workbench::kLeastForce), 5, "%.1f N",
+                      ImGuiSliderFlags_AlwaysClamp))
+    bench.setForce(static_cast<double>(force));
+  ui::text("Depth below the surface");
+  if (ui::sliderFloat("##depth", &depth, 0, static_cast<float>(bench.mostDepth()), "%.2f mm",
+                      ImGuiSliderFlags_AlwaysClamp))
+    bench.deepen(static_cast<double>(depth) - bench.depth_mm);
+  drawStopShort(bench);
+  ui::text("Speed");
+  if (ui::sliderFloat("##speed", &speed, 0, 100, "%.0f %%", ImGuiSliderFlags_AlwaysClamp))
+    bench.setSpeed(0.01 * static_cast<double>(speed));
+  bool is_reversed = bench.isReversed();
+  if (bench.canReverse() && ui::checkbox("Turn backwards", &is_reversed)) {
+    if (const auto turned = bench.setReversed(is_reversed); !turned) bench.say(turned.error().message());
+  }
+  ui::text("Spray");
+  if (ui::sliderFloat("##spray", &spray, 0, 100, "%.0f %%", ImGuiSliderFlags_AlwaysClamp))
+    bench.setIrrigation(0.01 * static_cast<double>(spray));
+  ImGui::PopItemWidth();
+}
+
+}  // namespace
+
+void drawTools(AppContext& context, ToolPanelState& state) {
+  Workbench& bench = context.bench;
+  ImGui::SetNextWindowPos({8, ImGui::GetFrameHeight() + 8}, ImGuiCond_Always);
+  ImGui::SetNextWindowSize({scaled(kPanelWidth), 0}, ImGuiCond_Always);
+  ui::begin("Tool", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
+  const std::optional<std::size_t> clicked = drawRack(context, state);
+  ImGui::Separator();
+  drawTilt(context);
+  drawToolHand(bench);
+  ImGui::End();
+  if (clicked) bench.selectTool(*clicked);
+}
+
+}  // namespace kerf

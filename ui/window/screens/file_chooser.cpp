@@ -1,0 +1,114 @@
+#include "ui/window/screens/file_chooser.h"
+
+#include <string>
+#include <utility>
+
+#include "ui/app/base/language.h"
+#include "ui/app/commands/settings.h"
+#include "ui/app/workbench/export_plan.h"
+
+namespace kerf {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool isToOpen(const AppCommand& command) {
+  for (const char* const id : {"file.open", "file.open-beside", "import.read", "import.add", "replay.open", "tool.add"})
+    if (command.id == id) return true;
+  return false;
+}
+
+// The user reviews a scan before preparation, and may open several files together.
+bool takesSeveral(const AppCommand& command) { return command.id == "file.open"; }
+
+std::string suggestedName(const AppContext& context, const AppCommand& command) {
+  if (isToOpen(command)) return "";
+  if (command.id == "export.to") return context.bench.exporting().file().filename().string();
+  return context.bench.name() + "-cut.stl";
+}
+
+std::optional<std::uint32_t> chosenPiece(const AppContext& context) {
+  const SceneObject* const piece = context.bench.chosenPiece();
+  return piece ? std::optional(piece->id) : std::nullopt;
+}
+
+}  // namespace
+
+void FileChooser::ask(AppContext& context, const AppCommand& command) {
+  dialog_.close();
+  asked_for_ = &command;
+  generation_ = context.bench.generation();
+  piece_ = chosenPiece(context);
+  const bool is_own = context.settings && context.settings->values.has_own_dialog;
+  if (is_own || !SystemDialog::program()) return askInside(context);
+
+  using What = FileQuestion::What;
+  FileQuestion question;
+  question.title = shownText(command.label.empty() ? "Export to" : command.label);
+  question.folder = browser_.folder();
+  question.name = suggestedName(context, command);
+  if (command.id == "replay.open")
+    question.what = What::kOpenFolder;
+  else if (!isToOpen(command))
+    question.what = What::kSave;
+  else if (takesSeveral(command))
+    question.what = What::kOpenSeveral;
+  if (const auto asked = dialog_.ask(question); !asked) {
+    context.bench.complain(asked.error());
+    askInside(context);
+  }
+}
+
+void FileChooser::askInside(const AppContext& context) {
+  browser_.show(isToOpen(*asked_for_) ? FileBrowser::Purpose::kOpen : FileBrowser::Purpose::kSave,
+                suggestedName(context, *asked_for_), takesSeveral(*asked_for_));
+}
+
+void FileChooser::update(AppContext& context) {
+  if (const auto file = browser_.draw()) {
+    std::vector<fs::path> files = browser_.takeOthers();
+    files.insert(files.begin(), *file);
+    keepFolder(context, browser_.folder());
+    take(context, std::move(files));
+  }
+  takeAnswer(context);
+}
+
+void FileChooser::takeAnswer(AppContext& context) {
+  auto answer = dialog_.poll();
+  if (!answer) return;
+  if (!*answer) {
+    context.bench.complain(answer->error());
+    return askInside(context);
+  }
+  if ((*answer)->empty()) return;  // cancelled
+  keepFolder(context, (*answer)->front().parent_path());
+  take(context, std::move(**answer));
+}
+
+void FileChooser::keepFolder(AppContext& context, const fs::path& folder) {
+  browser_.setFolder(folder);
+  if (!context.settings || folder == context.settings->values.last_folder) return;
+  context.settings->values.last_folder = folder;
+  if (const auto kept = context.settings->save(); !kept && !context.settings->error())
+    context.bench.complain(kept.error());
+}
+
+void FileChooser::take(AppContext& context, std::vector<fs::path> files) {
+  if (!asked_for_) return;
+  // Not the document the user confirmed: would write another one.
+  if (!isToOpen(*asked_for_) && (generation_ != context.bench.generation() || piece_ != chosenPiece(context)))
+    return context.bench.complain({.code = Error::Code::kUnsupported,
+                                   .file = files.front().string(),
+                                   .found = "something else is open or chosen than when you were asked for this file",
+                                   .expected = "the same; nothing was written",
+                                   .hint = "export again"});
+  const bool is_open = asked_for_->id == "file.open";
+  if (is_open && files.size() > 1 && asked_for_->is_enabled(context)) return context.bench.importMore(files);
+  // In a script file.open takes the defaults.
+  const AppCommand* const command = is_open ? findAppCommand("import.read") : asked_for_;
+  const std::vector<std::string> words{files.front().string()};
+  if (const auto done = runAppCommand(context, command->id, words); !done) context.bench.complain(done.error());
+}
+
+}  // namespace kerf

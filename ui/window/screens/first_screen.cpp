@@ -1,0 +1,214 @@
+#include "ui/window/screens/first_screen.h"
+
+#include <epoxy/gl.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "ui/app/base/language.h"
+#include "ui/window/gl/image.h"
+#include "ui/window/gl/style.h"
+#include "ui/window/gl/widgets.h"
+
+namespace kerf {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr std::size_t kShown = 6, kColumns = 3;
+constexpr const char* kForget = "Delete the log?###forget-session";
+
+void* handleOf(unsigned texture) { return reinterpret_cast<void*>(static_cast<std::uintptr_t>(texture)); }
+
+// The end of a text, as far as it fits: the last folders tell more than the first.
+std::string endThatFits(const std::string& text, float width) {
+  if (ui::textSize(ui::asItIs(text)).x <= width) return text;
+  for (std::size_t from = 1; from < text.size(); ++from) {
+    if ((static_cast<unsigned char>(text[from]) & 0xC0) == 0x80) continue;  // within a character
+    std::string end = "..." + text.substr(from);
+    if (ui::textSize(ui::asItIs(end)).x <= width) return end;
+  }
+  return "...";
+}
+
+}  // namespace
+
+FirstScreen::~FirstScreen() {
+  for (const auto& [path, texture] : textures_)
+    if (texture) glDeleteTextures(1, &texture);
+}
+
+unsigned FirstScreen::textureOf(const fs::path& picture) {
+  const auto [entry, is_new] = textures_.try_emplace(picture, 0);
+  if (!is_new) return entry->second;
+  const auto image = readPng(picture);
+  if (!image) return 0;
+
+  GLint bound = 0;
+  glGetIntegerv(GL_TEXTURE_BINDING_2D, &bound);
+  glGenTextures(1, &entry->second);
+  glBindTexture(GL_TEXTURE_2D, entry->second);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA, image->width, image->height, 0, GL_RGBA, GL_UNSIGNED_BYTE,
+               image->rgba.data());
+  glBindTexture(GL_TEXTURE_2D, static_cast<GLuint>(bound));
+  return entry->second;
+}
+
+void FirstScreen::refresh(AppContext& context) {
+  for (const auto& [path, texture] : textures_)
+    if (texture) glDeleteTextures(1, &texture);
+  textures_.clear();
+  context.bench.recent().refresh();
+}
+
+void FirstScreen::draw(AppContext& context, const std::function<void(const AppCommand&)>& ask_for_file) {
+  Workbench& bench = context.bench;
+  if (bench.job()) {
+    was_drawn_ = false;
+    return;
+  }
+  if (!std::exchange(was_drawn_, true)) refresh(context);
+
+  const ImGuiIO& io = ImGui::GetIO();
+  const float width = std::min(scaled(780), io.DisplaySize.x - scaled(24));
+  const float most = io.DisplaySize.y - ImGui::GetFrameHeight() - scaled(24);
+  ImGui::SetNextWindowPos({0.5f * io.DisplaySize.x, 0.5f * (io.DisplaySize.y + ImGui::GetFrameHeight())},
+                          ImGuiCond_Always, {0.5f, 0.5f});
+  ImGui::SetNextWindowSizeConstraints({width, 0}, {width, most});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {scaled(24), scaled(20)});
+  ui::begin("##first", nullptr,
+            ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
+                ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings);
+  ImGui::PopStyleVar();
+
+  ImGui::SetWindowFontScale(1.5f);
+  ui::textColored(styleColours().accent, "Drop a scan here");
+  ImGui::SetWindowFontScale(1);
+  ImGui::PushTextWrapPos(0);
+  ui::textColored(
+      styleColours().quiet,
+      "STL, PLY, OBJ, OFF or 3MF, a recipe, a case, or a run to go on with or to watch. The file is never changed.");
+  ImGui::PopTextWrapPos();
+  ImGui::Dummy({0, scaled(2)});
+  if (strongButton("Open a file...", "Ctrl+O", scaled(230))) ask_for_file(*findAppCommand("import.read"));
+  ImGui::SameLine(0, scaled(24));
+  const float line = ImGui::GetCursorPosY();
+  ImGui::SetCursorPosY(line + 0.5f * (scaled(34) - ImGui::GetTextLineHeight()));
+  ui::textColored(styleColours().quiet, "or one of ours:");
+  for (const char* const name : demoNames()) {
+    ImGui::SameLine();
+    ImGui::SetCursorPosY(line);
+    if (plainButton(name, "", scaled(96))) bench.openDemo(name);
+  }
+
+  drawLost(context);
+  drawRecent(context);
+  ImGui::End();
+}
+
+void FirstScreen::drawLost(AppContext& context) {
+  Workbench& bench = context.bench;
+  if (bench.lostSessions().empty()) return;
+  ImGui::Dummy({0, scaled(6)});
+  ui::textColored(styleColours().warning,
+                  "A session did not end: its program was stopped. What was cut is in its log.");
+  for (std::size_t n = 0; n < std::min<std::size_t>(bench.lostSessions().size(), 3); ++n) {
+    const std::string name = bench.lostSessions()[n].folder.filename().string();
+    ImGui::PushID(static_cast<int>(n));
+    if (ui::button("Recover", {scaled(100), 0})) bench.recover(n);
+    ImGui::SameLine();
+    if (ui::button("Forget...", {scaled(100), 0})) asks_to_forget_ = n;
+    ImGui::SameLine();
+    ui::text(ui::asItIs(endThatFits(name, ImGui::GetContentRegionAvail().x)));
+    ImGui::PopID();
+    if (bench.job()) return;  // the list changes now
+  }
+
+  if (!asks_to_forget_) return;
+  if (!ui::isPopupOpen(kForget)) ui::openPopup(kForget);
+  ImGui::SetNextWindowSize({scaled(460), 0});
+  if (!ui::beginPopupModal(kForget, nullptr, ImGuiWindowFlags_NoResize)) return;
+  const std::size_t n = *asks_to_forget_;
+  ImGui::PushTextWrapPos(0);
+  ui::text(ui::asItIs(bench.lostSessions()[n].folder.string()));
+  ui::text(phrase(
+      "The folder with its log, {:.1f} MB, will be deleted. What was cut in that session can not be recovered then.",
+      1e-6 * static_cast<double>(bench.bytesOfLost(n))));
+  ImGui::PopTextWrapPos();
+  ImGui::Dummy({0, scaled(4)});
+  bool is_over = strongButton("Keep it", "", scaled(200));
+  ImGui::SameLine();
+  if (plainButton("Delete the log", "", -1)) {
+    bench.forgetLost(n);
+    is_over = true;
+  }
+  if (is_over) {
+    asks_to_forget_.reset();
+    ImGui::CloseCurrentPopup();
+  }
+  ImGui::EndPopup();
+}
+
+void FirstScreen::drawRecent(AppContext& context) {
+  const std::size_t count = std::min(context.bench.recent().list().size(), kShown);
+  if (count == 0) return;
+  heading("Opened before");
+  const float gap = scaled(12);
+  const float width = (ImGui::GetContentRegionAvail().x - (kColumns - 1) * gap) / kColumns;
+  for (std::size_t n = 0; n < count && n < context.bench.recent().list().size(); ++n) {
+    if (n % kColumns) ImGui::SameLine(0, gap);
+    drawCard(context, n, width);
+  }
+}
+
+void FirstScreen::drawCard(AppContext& context, std::size_t n, float width) {
+  Workbench& bench = context.bench;
+  const RecentFile file = bench.recent().list()[n];
+  const StyleColours& colours = styleColours();
+  const float line = ImGui::GetTextLineHeightWithSpacing(), pad = scaled(8), rounding = scaled(6);
+  const float height = width * kCardHeight / kCardWidth, all = height + 2 * line + pad;
+
+  ImGui::PushID(static_cast<int>(n));
+  ImGui::BeginGroup();
+  const ImVec2 at = ImGui::GetCursorScreenPos(), end{at.x + width, at.y + all};
+  const bool is_clicked = ImGui::InvisibleButton("card", {width, all});
+  const bool is_hovered = ImGui::IsItemHovered();
+  if (is_hovered) ui::setTooltip(ui::asItIs(file.path.string()));
+  if (ImGui::BeginPopupContextItem("menu")) {
+    if (ui::menuItem("Take it off this list")) bench.forgetRecent(n);
+    ImGui::EndPopup();
+  }
+
+  ImDrawList& list = *ImGui::GetWindowDrawList();
+  list.AddRectFilled(at, end, ImGui::GetColorU32(is_hovered ? ImGuiCol_ButtonHovered : ImGuiCol_FrameBg), rounding);
+  const ImU32 tint = file.is_there ? IM_COL32_WHITE : IM_COL32(255, 255, 255, 90);
+  if (const unsigned texture = textureOf(bench.recent().pictureOf(file.path)))
+    list.AddImageRounded(handleOf(texture), at, {end.x, at.y + height}, {0, 0}, {1, 1}, tint, rounding,
+                         ImDrawFlags_RoundCornersTop);
+  const float inside = width - 2 * pad;
+  const std::string name = endThatFits(file.path.filename().string(), inside);
+  ui::addText(list, {at.x + pad, at.y + height + 0.5f * pad}, ImGui::GetColorU32(ImGuiCol_Text), ui::asItIs(name));
+  const ImVec4 quiet = file.is_there ? colours.quiet : colours.warning;
+  const std::string folder =
+      file.is_there ? endThatFits(file.path.parent_path().string(), inside) : shownText("not there any more");
+  ui::addText(list, {at.x + pad, at.y + height + 0.5f * pad + line}, ImGui::ColorConvertFloat4ToU32(quiet),
+              ui::asItIs(folder));
+
+  if (!file.is_there) {
+    const ImVec2 next = ImGui::GetCursorScreenPos();
+    ImGui::SetItemAllowOverlap();
+    ImGui::SetCursorScreenPos({end.x - pad - scaled(66), end.y - line - 0.5f * pad});
+    if (ui::button("Forget", {scaled(66), 0})) bench.forgetRecent(n);
+    ImGui::SetCursorScreenPos(next);
+  } else if (is_clicked) {
+    bench.beginImport(file.path);
+  }
+  ImGui::EndGroup();
+  ImGui::PopID();
+}
+
+}  // namespace kerf
