@@ -262,7 +262,7 @@ inline constexpr Goal kDevicesGoals[] = {
     {"{}: runaways", "", kAtMost, 0},
     {"wall, friction down to 0: trembling, most", "um", kAtMost, 50},
     {"wall, friction down to 0: most energy given", "mJ", kAtMost, 0.05},
-    {"wall: trembling, most", "um", kAtMost, 20},
+    {"wall: trembling, most", "um", kAtMost, 5},
     {"wall: given more than 1e-4 mJ", "%", kAtMost, 1},
     {"wall: most energy given", "mJ", kAtMost, 0.01},
     {"wall: force at rest over an ideal device's, as stiff as wanted, p50", "", kAtLeast, 0.95},
