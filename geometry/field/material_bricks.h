@@ -33,8 +33,8 @@ struct MaterialBricks {
 };
 
 /// Reads the int32 grid `material` of a run's file. A file without such a grid has no bricks.
-/// Errors with the place, before allocation: numbers without a material, materials beyond whole bricks, another type,
-/// more than a uniform scale, and files with an inconsistent structure.
+/// Errors with the place: numbers without a material, materials beyond whole bricks, another type, more than a uniform
+/// scale, and files with an inconsistent structure. The structure is checked before allocation.
 Expected<MaterialBricks> readMaterialBricks(const std::filesystem::path& vdb);
 
 /// Rejects bricks of another case: another voxel size, or a node whose material is neither the case's nor an added one.

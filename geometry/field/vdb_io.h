@@ -37,8 +37,8 @@ Expected<void> writeVdb(const std::filesystem::path& path, const std::vector<Nam
 
 /// Reads the float grid `name`. Leaf nodes become bricks; tiles below zero mark interior bricks.
 /// Rejects grids whose transform is not a plain uniform scale, values that are no distances, and files with an
-/// inconsistent structure, before allocation. An untrusted file costs at most 40 times its size in memory, plus the
-/// memory of a million inner bricks.
+/// inconsistent structure. The structure is checked before allocation. An untrusted file costs at most 40 times its
+/// size in memory, plus the memory of a million inner bricks.
 Expected<BrickField> readVdb(const std::filesystem::path& path, const std::string& name);
 
 /// The grids of a file, by name. Reads its header and those of the grids, no voxels, without OpenVDB: a damaged file

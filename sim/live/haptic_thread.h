@@ -143,9 +143,9 @@ class HapticThread {
   /// sends commands.   @param samples  of the tool.   @cost  some ms.
   void heatBy(std::size_t tool, const ToolSamples& samples, const HeatSource& source);
 
-  /// Queues a command to run between two ticks, in the order sent; the report counts its outcome. Rejects commands that
-  /// CommandSender::kUser may not send (freezing and splitting are the PieceMaker's). For one thread. False: more than
-  /// kMostCommands wait.
+  /// Queues a command to run between two ticks, in the order sent; the report counts its outcome. The haptic thread
+  /// rejects a command that CommandSender::kUser may not send (freezing and splitting are the PieceMaker's), and counts
+  /// it in commands_refused. For one thread. False: more than kMostCommands wait.
   bool send(const Command& command) noexcept;
   static constexpr std::size_t kMostCommands = 64;
 

@@ -38,7 +38,8 @@ class LiveHeat {
   /// Pulp and nerve canals of the first object, for temperature and distance. Before the first tick.
   void watch(std::shared_ptr<const Structures> structures) { structures_ = std::move(structures); }
   const Structures* structures() const noexcept { return structures_.get(); }
-  /// From now on this tool heats. A second call, or a tool that is not in the model: no effect.   @cost  some ms.
+  /// From now on this tool heats. A second call for a tool, or a tool that is not in the model: no effect.   @cost some
+  /// ms.
   void add(std::size_t tool, const ToolSamples& samples, const HeatSource& source);
 
   // The haptic thread.

@@ -72,8 +72,8 @@ class PieceFinder {
   /// @param phi0  kept by reference, must outlive this and not change.   Parallel inside; 2 us of a core per stored
   ///   brick.
   explicit PieceFinder(const BrickField& phi0, const PieceOptions& options = {});
-  /// For a piece: only these bricks of phi0, which must be all near its inside nodes. The values near other pieces
-  /// follow by apply(), from PieceOrigin.
+  /// For a piece: only these bricks of phi0. They must include every brick near its inside nodes. The values near other
+  /// pieces follow by apply(), from PieceOrigin.
   PieceFinder(const BrickField& phi0, std::span<const Vec3i> bricks, const PieceOptions& options = {});
 
   /// Takes the newest values of some bricks (a later edit of the same brick wins; new bricks may appear). 2 us each.

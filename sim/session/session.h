@@ -102,7 +102,7 @@ class Session {
   const State& state() const { return state_; }
   /// The loaded objects, in the order of the beginning: `state().objects` are pieces of these.
   const LoadedObjects& loaded() const { return loaded_; }
-  /// Index in loaded() of an object, or of its parent. @rt
+  /// Index in loaded() of the object that this one is or is a piece of, also after several splits. @rt
   std::size_t loadedIndexOf(const CutObject& object) const noexcept;
   std::uint64_t hash() const { return state_.hash(); }
 

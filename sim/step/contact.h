@@ -141,8 +141,9 @@ struct FillResult {
   /// Part of the fill was omitted: in air farther out than kAirAround, or beyond CutObject::kMostAdded bricks of air.
   bool is_clipped = false;
 };
-/// Adds material at the tool's cutting part: phi = min(phi, tau). Nodes that were outside and are now nearest to the
-/// added surface become `material`. Updates the ledger. CutObject::repair repairs the shells.
+/// Adds material at the tool's cutting part: phi = min(phi, tau). A node that was outside becomes `material` if
+/// the added surface is now its nearest surface, at most 1.5 voxels away. Updates the ledger. CutObject::repair repairs
+/// the shells.
 FillResult fill(CutObject& object, const ContactInput& in, Material material) noexcept;
 
 }  // namespace kerf

@@ -39,9 +39,8 @@ struct ToolDrive {
 };
 
 /// The lips of a drill: the cutting edges of its point. A chip is as thick as the feed of a turn, so thrust grows with
-/// feed, not with friction's power. At a distance r from the axis the pressure is p = a(r) q (f + f0), f the feed of a
-/// turn
-/// along the axis, a(r) = 1.25 K (2 r)^0.25 / (pi r), so that a point of diameter D needs the thrust
+/// feed, not with friction's power. At a distance r from the axis the pressure is p = a(r) q (f + f0), f the feed
+/// along the axis in a turn, a(r) = 1.25 K (2 r)^0.25 / (pi r), so that a point of diameter D needs the thrust
 ///   F = K D^1.25 (f + f0) q,   K = 51.8 N/mm^2.25, f0 = 0.03 mm.
 /// q = (u_s / 1000 N/mm^2)^0.75 is 1 for cortical bone. As u_s goes with the square of bone's density, q goes with its
 /// power 1.5. The cutting force turns about the axis: two opposite lips push to no side. Below F = K D^1.25 f0 q the

@@ -49,7 +49,7 @@ struct ArmSettings {
 
 /// Counts since it was opened.
 struct ArmCounts {
-  std::uint64_t hands = 0;          ///< valid messages
+  std::uint64_t hands = 0;          ///< accepted messages: well-formed, not old, not from another sender
   std::uint64_t refused = 0;        ///< malformed messages; not used
   std::string last_fault;           ///< of the last malformed message: "its length"
   std::uint64_t old = 0;            ///< that came after a newer one
@@ -117,7 +117,7 @@ class ForceArm : public DeviceSource {
   virtual bool isGone() const { return false; }
   /// No more messages can come: a recording at its end. Any thread.
   virtual bool isOver() const { return false; }
-  /// The device's last message. False: none yet. Any thread.
+  /// The last accepted hand frame, with the device's limits. False: none yet. Any thread.
   bool lastHand(HandFrame& out) const;
 
   /// Allows force; at first off. After a force that was not finite: off, then on again. Any thread.
