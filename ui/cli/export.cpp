@@ -72,7 +72,7 @@ NamedMesh namedPiece(const PlacedPiece& piece) { return {piece.mesh, objectsOf({
 Expected<std::vector<Output>> outputsOf(const ExportArguments& a, const Export& result) {
   std::vector<Output> out;
   const bool is_as_in_case = std::none_of(result.pieces.begin(), result.pieces.end(), [&](const RunManifest::Piece& p) {
-    return isNamedByUser(p) || (p.isMoved() && !a.is_put_back);
+    return isNamedByUser(p.name) || (p.isMoved() && !a.is_put_back);
   });
   if (a.piece.empty() && is_as_in_case) {
     for (const std::string& path : a.outputs) out.push_back({path, result.names.grouped(result.post_op.mesh, path)});

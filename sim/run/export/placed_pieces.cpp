@@ -177,10 +177,10 @@ std::string lowered(std::string text) {
 
 }  // namespace
 
-bool isNamedByUser(const RunManifest::Piece& piece) {
+bool isNamedByUser(std::string_view piece) {
   constexpr std::string_view kGiven = "piece ";
-  if (!piece.name.starts_with(kGiven)) return !piece.name.empty();
-  return piece.name.find_first_not_of("0123456789", kGiven.size()) != piece.name.npos;
+  if (!piece.starts_with(kGiven)) return !piece.empty();
+  return piece.find_first_not_of("0123456789", kGiven.size()) != piece.npos;
 }
 
 Expected<std::vector<PlacedPiece>> placedPieces(const Mesh& mesh, std::span<const RunManifest::Piece> pieces,
@@ -198,7 +198,7 @@ Expected<std::vector<PlacedPiece>> placedPieces(const Mesh& mesh, std::span<cons
     for (std::size_t t = 0; t < is_kept.size(); ++t) is_kept[t] = owner[solids.label[t]] == n;
     PlacedPiece placed{pieces[n].id, pieces[n].name, !is_put_back && pieces[n].isMoved(), subset(mesh, is_kept), {}};
     if (placed.mesh.triangles.empty()) continue;
-    if (isNamedByUser(pieces[n]))
+    if (isNamedByUser(pieces[n].name))
       placed.objects.push_back({pieces[n].name, 0});
     else
       setMesh(placed, names.grouped(placed.mesh));

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "geometry/base/error.h"
@@ -24,8 +25,8 @@ struct PlacedPiece {
   std::vector<NamedPart> objects{};
 };
 
-/// True if the user named the piece: a session calls it "piece 2".
-bool isNamedByUser(const RunManifest::Piece& piece);
+/// False of a name that a session gives: "piece 2".
+bool isNamedByUser(std::string_view piece);
 
 /// Divides a mesh into the pieces of a run.
 ///

@@ -386,7 +386,7 @@ Expected<LiveResult> LiveRun::postOperative(const SceneCopy& scene, const PostOp
                  .expected = "an object that is open"});
   const bool was_cut_before = other ? other->known.has_begin : !options_.from.empty();
   const bool is_whole = parts.size() == 1 && !first->begin && !was_cut_before;
-  if (other || (parts.size() == 1 && !out.pieces.front().isMoved() && !isNamedByUser(out.pieces.front())))
+  if (other || (parts.size() == 1 && !out.pieces.front().isMoved() && !isNamedByUser(out.pieces.front().name)))
     out.pieces.clear();
   else
     for (std::size_t n = 0; n < parts.size(); ++n) out.pieces[n].inside = deepestPoint(parts[n]);

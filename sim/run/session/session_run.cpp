@@ -19,6 +19,7 @@
 #include "geometry/tool/tool_file.h"
 #include "sim/monitor/monitor.h"
 #include "sim/pieces/joined_field.h"
+#include "sim/run/export/placed_pieces.h"
 #include "sim/run/files/run_files.h"
 #include "sim/run/files/run_output.h"
 #include "sim/run/scene/load_scene.h"
@@ -237,7 +238,7 @@ Expected<void> internal::writeEnd(const fs::path& run_folder, const Session& ses
     manifest.beside[n].removed_mm3 = std::max(manifest.beside[n].removed_mm3 + others.removed_mm3[n], 0.0);
   const auto is_named = [&](const CutObject* object) {
     const auto label = labels.find(object->id);
-    return label != labels.end() && !label->second.name.empty();
+    return label != labels.end() && isNamedByUser(label->second.name);
   };
   if (is_in_pieces)
     manifest.pieces = internal::piecesOf(objects, fields, labels);

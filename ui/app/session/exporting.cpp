@@ -70,7 +70,7 @@ Expected<std::vector<ExportPart>> partsOfExport(LiveResult& result, const SceneC
                                                 const ObjectNames& names) {
   std::vector<ExportPart> out;
   const bool is_as_in_case = std::none_of(result.pieces.begin(), result.pieces.end(), [&](const auto& piece) {
-    return isNamedByUser(piece) || (piece.isMoved() && !choice.is_put_back);
+    return isNamedByUser(piece.name) || (piece.isMoved() && !choice.is_put_back);
   });
   if (!choice.is_each && !choice.only && is_as_in_case) {
     out.push_back(partOfExport("", std::move(result.post_op.mesh)));
