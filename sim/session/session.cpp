@@ -198,7 +198,7 @@ void Session::keepForGood() noexcept {
 
 // ---- Memory
 
-// Without memory shells stay unchanged for now: the step reports kStepBricksRanOut.
+// Without memory the shells stay unchanged: the step reports kStepBricksRanOut.
 void Session::reserveBricks() {
   static_cast<void>(takeForgotten());
   for (CutObject& object : state_.objects)

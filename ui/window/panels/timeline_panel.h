@@ -1,4 +1,4 @@
-// The strip of steps below the picture: a block each, a mark for now, and jumps by mouse.
+// The strip of steps below the picture: a block each, a mark at the current step, and jumps by mouse.
 #pragma once
 
 #include "ui/app/commands/app_commands.h"
