@@ -52,6 +52,17 @@ function(kerf_sources target)
   kerf_unity(${target} "${ARG_PARTS}" ${files})
 endfunction()
 
+# kerf_folders(TARGET PARTS N FOLDERS...): the same for all sources of folders, so that a new file needs no line here.
+function(kerf_folders target)
+  cmake_parse_arguments(ARG "" "PARTS" "" ${ARGN})
+  set(files "")
+  foreach(folder IN LISTS ARG_UNPARSED_ARGUMENTS)
+    file(GLOB found CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} ${folder}/*.cpp)
+    list(APPEND files ${found})
+  endforeach()
+  kerf_sources(${target} PARTS ${ARG_PARTS} ${files})
+endfunction()
+
 # kerf_unity(TARGET PARTS FILES...): the same for sources that the target has.
 function(kerf_unity target parts)
   if(NOT parts)

@@ -21,7 +21,13 @@
 #include "tests/support/open_block.h"
 #include "tests/support/temporary_folder.h"
 #include "ui/app/commands/app_commands.h"
+#include "ui/app/document/document.h"
+#include "ui/app/document/jobs.h"
 #include "ui/app/script/app_script.h"
+#include "ui/app/workbench/force_device.h"
+#include "ui/app/workbench/sessions.h"
+#include "ui/app/workbench/steps.h"
+#include "ui/app/workbench/strokes.h"
 
 namespace kerf::arm_lead_test {
 namespace {
@@ -52,9 +58,9 @@ class ArmLeadTest : public testing::Test {
     options.real_time = {.priority = 0, .lock_memory = false};
     options.device = "udp:0";
     bench_ = std::make_unique<Workbench>(options);
-    ASSERT_TRUE(bench_->arm().isOpen()) << notices();
-    bench_->open(scan);
-    ASSERT_TRUE(until([&] { return bench_->isOpen() && !bench_->job(); }, 120)) << notices();
+    ASSERT_TRUE(bench_->device->arm().isOpen()) << notices();
+    bench_->sessions->open(scan);
+    ASSERT_TRUE(until([&] { return bench_->document->isOpen() && !bench_->jobs->running(); }, 120)) << notices();
   }
   bool until(const std::function<bool()>& holds, double most_s = 20) {
     const auto end = steady_clock::now() + std::chrono::duration<double>(most_s);
@@ -70,7 +76,7 @@ class ArmLeadTest : public testing::Test {
     EXPECT_TRUE(until([&] { return !arm.report().is_enabled; }));
     return 1e-6 * static_cast<double>(arm.report().stopped_ns - since);
   }
-  std::uint16_t port() { return static_cast<BridgeDevice*>(bench_->arm().arm())->port(); }
+  std::uint16_t port() { return static_cast<BridgeDevice*>(bench_->device->arm().arm())->port(); }
   // From 1.5 mm over the block down into it, then in circles.
   static CutPath presses() {
     std::vector<std::pair<double, Vec3d>> points{{0, {0, 0, 0}}, {2, {0, 0, 0}}, {3, {0, 0, -6}}};
@@ -88,13 +94,13 @@ class ArmLeadTest : public testing::Test {
   }
   std::string notices() const {
     std::string out;
-    for (const Notice& notice : bench_->notices()) out += notice.text + "\n";
+    for (const Notice& notice : bench_->notices->list()) out += notice.text + "\n";
     return out;
   }
   fs::path end() {
-    const fs::path out = bench_->sessionFolder();
-    bench_->close();
-    EXPECT_TRUE(until([&] { return !bench_->job(); }));
+    const fs::path out = bench_->document->sessionFolder();
+    bench_->sessions->close();
+    EXPECT_TRUE(until([&] { return !bench_->jobs->running(); }));
     return out;
   }
   AppContext& context_() {
@@ -110,22 +116,22 @@ class ArmLeadTest : public testing::Test {
 
 TEST_F(ArmLeadTest, TheArmLeadsCutsAndIsFeltAndTheLogReplaysBitForBit) {
   const auto arm = press();
-  ASSERT_TRUE(until([&] { return bench_->isLed(); })) << bench_->arm().view().missing;
-  EXPECT_FALSE(bench_->arm().isArmed()) << "nobody has armed it";
-  ASSERT_TRUE(until([&] { return bench_->report().output.touching > 0; }));
+  ASSERT_TRUE(until([&] { return bench_->device->isLed(); })) << bench_->device->arm().view().missing;
+  EXPECT_FALSE(bench_->device->arm().isArmed()) << "nobody has armed it";
+  ASSERT_TRUE(until([&] { return bench_->document->report().output.touching > 0; }));
   EXPECT_EQ(arm->report().most_force, 0) << "no force before it is armed";
 
-  ASSERT_TRUE(run("device.arm")) << bench_->arm().view().missing;
+  ASSERT_TRUE(run("device.arm")) << bench_->device->arm().view().missing;
   ASSERT_TRUE(until([&] { return arm->report().is_enabled && arm->report().force.norm() > 0.1; }));
-  ASSERT_TRUE(until([&] { return bench_->removedMm3() > 0.05; }));
-  EXPECT_LE(arm->report().most_force, bench_->arm().choice().most_force + 1e-9);
-  EXPECT_GT(bench_->arm().view().age_p50_ms, 0);
+  ASSERT_TRUE(until([&] { return bench_->document->removedMm3() > 0.05; }));
+  EXPECT_LE(arm->report().most_force, bench_->device->arm().choice().most_force + 1e-9);
+  EXPECT_GT(bench_->device->arm().view().age_p50_ms, 0);
 
   ASSERT_TRUE(run("device.disarm"));
   EXPECT_LE(forceAfterMs(*arm, deviceClock()), kForcelessMs);
-  EXPECT_TRUE(bench_->isLed()) << "the hand leads on";
+  EXPECT_TRUE(bench_->device->isLed()) << "the hand leads on";
 
-  const double removed = bench_->removedMm3();
+  const double removed = bench_->document->removedMm3();
   const fs::path session = end();
   const auto replayed = replayRun(session);
   ASSERT_TRUE(replayed) << replayed.error().message();
@@ -135,17 +141,17 @@ TEST_F(ArmLeadTest, TheArmLeadsCutsAndIsFeltAndTheLogReplaysBitForBit) {
 
 TEST_F(ArmLeadTest, UndoAndCloseTakeTheForceAwayAndItFadesInAgain) {
   const auto arm = press();
-  ASSERT_TRUE(until([&] { return bench_->isLed(); }));
+  ASSERT_TRUE(until([&] { return bench_->device->isLed(); }));
   ASSERT_TRUE(run("device.arm"));
-  ASSERT_TRUE(until([&] { return bench_->removedMm3() > 0.02 && arm->report().force.norm() > 0.05; }));
+  ASSERT_TRUE(until([&] { return bench_->document->removedMm3() > 0.02 && arm->report().force.norm() > 0.05; }));
 
-  bench_->undo();
-  ASSERT_TRUE(until([&] { return bench_->report().counts.pauses > 0; }));
+  bench_->steps->undo();
+  ASSERT_TRUE(until([&] { return bench_->document->report().counts.pauses > 0; }));
   ASSERT_TRUE(until([&] { return arm->report().is_enabled && arm->report().force.norm() > 0.05; })) << "felt again";
   EXPECT_LE(arm->report().most_force, 3 + 1e-9) << "tissue came back around the tool";
 
   ASSERT_TRUE(run("device.close"));
-  EXPECT_FALSE(bench_->isLed());
+  EXPECT_FALSE(bench_->device->isLed());
   EXPECT_LE(forceAfterMs(*arm, deviceClock()), kForcelessMs);
   EXPECT_EQ(arm->report().force, Vec3d::Zero());
 }
@@ -160,29 +166,29 @@ TEST_F(ArmLeadTest, AKilledArmMidCutLosesNothingAndTheMouseGoesOn) {
     std::this_thread::sleep_for(std::chrono::seconds(100));
     ::_exit(arm ? 0 : 1);
   }
-  const bool was_led = until([&] { return bench_->isLed(); });
+  const bool was_led = until([&] { return bench_->device->isLed(); });
   const bool was_armed = was_led && run("device.arm").has_value();
-  const bool has_cut =
-      until([&] { return bench_->removedMm3() > 0.05 && bench_->arm().view().felt.force.norm() > 0.05; });
-  const double removed = bench_->removedMm3();
+  const bool has_cut = until(
+      [&] { return bench_->document->removedMm3() > 0.05 && bench_->device->arm().view().felt.force.norm() > 0.05; });
+  const double removed = bench_->document->removedMm3();
   ::kill(child, SIGKILL);
   ::waitpid(child, nullptr, 0);
-  ASSERT_TRUE(was_led && was_armed && has_cut) << bench_->arm().view().missing;
-  ASSERT_TRUE(until([&] { return !bench_->arm().view().counts.is_enabled; }));
-  ASSERT_TRUE(until([&] { return !bench_->isLed(); })) << "it is gone: the mouse leads";
-  EXPECT_FALSE(bench_->arm().isArmed()) << "one that comes back is armed anew";
+  ASSERT_TRUE(was_led && was_armed && has_cut) << bench_->device->arm().view().missing;
+  ASSERT_TRUE(until([&] { return !bench_->device->arm().view().counts.is_enabled; }));
+  ASSERT_TRUE(until([&] { return !bench_->device->isLed(); })) << "it is gone: the mouse leads";
+  EXPECT_FALSE(bench_->device->arm().isArmed()) << "one that comes back is armed anew";
   EXPECT_NE(notices().find("is gone: no force"), std::string::npos) << notices();
-  EXPECT_GE(bench_->removedMm3(), removed);
+  EXPECT_GE(bench_->document->removedMm3(), removed);
 
   // The mouse continues from the arm's place.
-  ASSERT_TRUE(until([&] { return bench_->press({{-2, 0, 50}, {0, 0, -1}}); }));
-  ASSERT_TRUE(until([&] { return bench_->removedMm3() > removed + 0.02; }));
-  bench_->release();
+  ASSERT_TRUE(until([&] { return bench_->strokes->press({{-2, 0, 50}, {0, 0, -1}}); }));
+  ASSERT_TRUE(until([&] { return bench_->document->removedMm3() > removed + 0.02; }));
+  bench_->strokes->release();
 
   // The arm takes over again.
   const auto arm = press();
-  ASSERT_TRUE(until([&] { return bench_->isLed(); }));
-  EXPECT_FALSE(bench_->press({{2, 0, 50}, {0, 0, -1}})) << "one hand at a time";
+  ASSERT_TRUE(until([&] { return bench_->device->isLed(); }));
+  EXPECT_FALSE(bench_->strokes->press({{2, 0, 50}, {0, 0, -1}})) << "one hand at a time";
 
   const fs::path session = end();
   const auto replayed = replayRun(session);
@@ -193,26 +199,28 @@ TEST_F(ArmLeadTest, AKilledArmMidCutLosesNothingAndTheMouseGoesOn) {
 TEST_F(ArmLeadTest, ASessionForAStifferHandIsNotFeltUntilItFits) {
   auto arm = ArmSimulator::start(presses(), {.port = port(), .hand = {}, .most_stiffness = 0.2});
   ASSERT_TRUE(arm);
-  ASSERT_TRUE(until([&] { return bench_->isLed(); }));
+  ASSERT_TRUE(until([&] { return bench_->device->isLed(); }));
   const auto refused = run("device.arm");
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().message().find("device.fit"), std::string::npos) << refused.error().message();
-  EXPECT_FALSE(bench_->arm().isArmed());
+  EXPECT_FALSE(bench_->device->arm().isArmed());
 
   ASSERT_TRUE(run("device.fit"));
-  ASSERT_TRUE(until([&] { return !bench_->job() && bench_->isOpen() && bench_->isLed(); }, 60)) << notices();
-  EXPECT_LE(bench_->run()->model().settings.coupling.stiffness, 0.2 + 1e-9);
+  ASSERT_TRUE(
+      until([&] { return !bench_->jobs->running() && bench_->document->isOpen() && bench_->device->isLed(); }, 60))
+      << notices();
+  EXPECT_LE(bench_->document->run()->model().settings.coupling.stiffness, 0.2 + 1e-9);
   EXPECT_TRUE(run("device.arm"));
 }
 
 TEST_F(ArmLeadTest, ATestForceIsGentleAndNeedsAnArmedDeviceInTheAir) {
   auto arm = ArmSimulator::start(way({{0, {0, 0, 0}}, {100, {0, 0, 0}}}), {.port = port(), .hand = {}});
   ASSERT_TRUE(arm);
-  ASSERT_TRUE(until([&] { return bench_->isLed(); }));
+  ASSERT_TRUE(until([&] { return bench_->device->isLed(); }));
   EXPECT_FALSE(run("device.test")) << "not armed";
   ASSERT_TRUE(run("device.arm"));
   EXPECT_FALSE(run("device.test", {"2"})) << "too much";
-  ASSERT_TRUE(until([&] { return bench_->arm().view().felt.ramp >= 1; }));
+  ASSERT_TRUE(until([&] { return bench_->device->arm().view().felt.ramp >= 1; }));
   ASSERT_TRUE(run("device.test", {"0.5", "1", "0", "0"}));
   ASSERT_TRUE(until([&] { return (*arm)->report().force[0] > 0.45; }));
   ASSERT_TRUE(until([&] { return (*arm)->report().force.norm() < 1e-9; }));
@@ -223,16 +231,17 @@ TEST_F(ArmLeadTest, ATestForceIsGentleAndNeedsAnArmedDeviceInTheAir) {
 TEST_F(ArmLeadTest, ScaleAndTurnLeaveTheToolWhereItIs) {
   auto arm = ArmSimulator::start(way({{0, {0, 0, 0}}, {100, {0, 0, 0}}}), {.port = port(), .hand = {}});
   ASSERT_TRUE(arm);
-  ASSERT_TRUE(until([&] { return bench_->isLed(); }));
-  const Vec3d before = bench_->report().output.T_world_tool.translation;
+  ASSERT_TRUE(until([&] { return bench_->device->isLed(); }));
+  const Vec3d before = bench_->document->report().output.T_world_tool.translation;
   ASSERT_TRUE(run("device.scale", {"0.25"}));
   ASSERT_TRUE(run("device.turn", {"90"}));
-  const auto ticks = bench_->report().tick + 200;
-  ASSERT_TRUE(until([&] { return bench_->report().tick > ticks; }));
-  EXPECT_LT((bench_->report().output.T_world_tool.translation - before).norm(), 0.1);
+  const auto ticks = bench_->document->report().tick + 200;
+  ASSERT_TRUE(until([&] { return bench_->document->report().tick > ticks; }));
+  EXPECT_LT((bench_->document->report().output.T_world_tool.translation - before).norm(), 0.1);
 
   ASSERT_TRUE(run("device.place", {"1", "2", "9"}));
-  ASSERT_TRUE(until([&] { return (bench_->report().output.T_world_tool.translation - Vec3d(1, 2, 9)).norm() < 0.1; }));
+  ASSERT_TRUE(until(
+      [&] { return (bench_->document->report().output.T_world_tool.translation - Vec3d(1, 2, 9)).norm() < 0.1; }));
 }
 
 }  // namespace

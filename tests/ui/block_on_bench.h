@@ -12,7 +12,11 @@
 #include "tests/support/open_block.h"
 #include "tests/support/temporary_folder.h"
 #include "ui/app/commands/pointing.h"
+#include "ui/app/document/document.h"
+#include "ui/app/document/jobs.h"
 #include "ui/app/hand/stroke_pointer.h"
+#include "ui/app/workbench/sessions.h"
+#include "ui/app/workbench/strokes.h"
 
 namespace kerf::test {
 
@@ -40,17 +44,17 @@ class OnABlock : public StrokePointerTest {
   void SetUp() override {
     const std::filesystem::path file = folder_.path() / "block.ply";
     ASSERT_TRUE(writeMesh(file, block()));
-    bench_.open(file);
-    until([&] { return !bench_.job() && bench_.scene().triangleCount() > 0; });
-    fitToBox(camera_, bench_.scene().bounds(), context_.width, context_.height);
-    bench_.depth_mm = 0.6;
-    bench_.setForce(2);
+    bench_.sessions->open(file);
+    until([&] { return !bench_.jobs->running() && bench_.document->scene().triangleCount() > 0; });
+    fitToBox(camera_, bench_.document->scene().bounds(), context_.width, context_.height);
+    bench_.strokes->depth_mm = 0.6;
+    bench_.strokes->setForce(2);
   }
   // The scan to open.
   virtual Mesh block() const { return test::blockMesh(false); }
   void TearDown() override {
-    bench_.close();
-    until([&] { return !bench_.job(); });
+    bench_.sessions->close();
+    until([&] { return !bench_.jobs->running(); });
   }
   void until(const std::function<bool()>& is_so) {
     do {
@@ -59,8 +63,8 @@ class OnABlock : public StrokePointerTest {
     } while (!is_so());
   }
   void run(double seconds) {
-    const auto end = bench_.report().tick + static_cast<std::uint64_t>(seconds / kTick);
-    until([&] { return bench_.report().tick >= end; });
+    const auto end = bench_.document->report().tick + static_cast<std::uint64_t>(seconds / kTick);
+    until([&] { return bench_.document->report().tick >= end; });
   }
   // Runs until a condition holds. On a busy machine a cutting tool goes deeper before it moves on, and then has more to
   // cut on its path.
@@ -69,9 +73,10 @@ class OnABlock : public StrokePointerTest {
     for (double t = 0; t < kLongest && !is_so(); t += kStep) run(kStep);
   }
   void runToDepth() {
-    runUntil([&] { return !bench_.isPressed() || *bench_.depthNow() >= bench_.depth_mm - 0.03; });
+    runUntil(
+        [&] { return !bench_.strokes->isPressed() || *bench_.strokes->depthNow() >= bench_.strokes->depth_mm - 0.03; });
   }
-  Vec3d tip() const { return bench_.report().output.T_world_tool.translation; }
+  Vec3d tip() const { return bench_.document->report().output.T_world_tool.translation; }
 };
 
 }  // namespace kerf::test

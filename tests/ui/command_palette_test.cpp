@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "tests/support/temporary_folder.h"
+#include "ui/app/workbench/strokes.h"
 
 namespace kerf::command_palette_test {
 namespace {
@@ -59,28 +60,28 @@ TEST_F(CommandPaletteTest, ParametersAreAskedForInTheSameLine) {
   palette_.type("2.5");
   palette_.accept(context_);
   EXPECT_FALSE(palette_.isShown());
-  EXPECT_EQ(bench_.force, 2.5);
+  EXPECT_EQ(bench_.strokes->force, 2.5);
 }
 
 TEST_F(CommandPaletteTest, AnIdMayHaveItsParametersBehindIt) {
   palette_.type("cut.depth 1.5");
   palette_.accept(context_);
   EXPECT_FALSE(palette_.isShown()) << palette_.error();
-  EXPECT_EQ(bench_.depth_mm, 1.5);
+  EXPECT_EQ(bench_.strokes->depth_mm, 1.5);
 }
 
 TEST_F(CommandPaletteTest, AlsoThoseThatMayBeLeftOut) {
   palette_.type("cut.deeper 0.25");
-  const double before = bench_.depth_mm;
+  const double before = bench_.strokes->depth_mm;
   palette_.accept(context_);
   EXPECT_FALSE(palette_.isShown()) << palette_.error();
-  EXPECT_NEAR(bench_.depth_mm, before + 0.25, 1e-12);
+  EXPECT_NEAR(bench_.strokes->depth_mm, before + 0.25, 1e-12);
 
   palette_.show();
   palette_.type("cut.deeper");
   palette_.accept(context_);
   EXPECT_FALSE(palette_.isShown()) << palette_.error();
-  EXPECT_NEAR(bench_.depth_mm, before + 0.35, 1e-12) << "left out, it is 0.1 mm";
+  EXPECT_NEAR(bench_.strokes->depth_mm, before + 0.35, 1e-12) << "left out, it is 0.1 mm";
 }
 
 TEST_F(CommandPaletteTest, WhatCannotBeDoneNowIsSaidAndNotDone) {

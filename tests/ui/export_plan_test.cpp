@@ -17,7 +17,11 @@
 #include "tests/support/temporary_folder.h"
 #include "ui/app/commands/app_commands.h"
 #include "ui/app/commands/quit.h"
+#include "ui/app/document/document.h"
+#include "ui/app/document/jobs.h"
 #include "ui/app/script/app_script.h"
+#include "ui/app/workbench/results.h"
+#include "ui/app/workbench/sessions.h"
 
 namespace kerf::export_plan_test {
 namespace {
@@ -33,10 +37,10 @@ class ExportPlanTest : public testing::Test {
     ASSERT_TRUE(writeMesh(scan(), test::blockMesh(true, {6, 1.6, 1.2})));
   }
   void TearDown() override {
-    bench_.cancelJob();
+    bench_.jobs->cancel();
     (void)play("wait\n");
-    bench_.close();
-    while (bench_.job()) bench_.update();
+    bench_.sessions->close();
+    while (bench_.jobs->running()) bench_.update();
   }
 
   fs::path scan() const { return folder_.path() / "scans" / "bar.ply"; }
@@ -61,7 +65,7 @@ class ExportPlanTest : public testing::Test {
   }
   std::string allNotices() const {
     std::string out;
-    for (const Notice& notice : bench_.notices()) out += notice.text + "\n";
+    for (const Notice& notice : bench_.notices->list()) out += notice.text + "\n";
     return out;
   }
   static double volumeOf(const fs::path& file) {
@@ -81,7 +85,7 @@ class ExportPlanTest : public testing::Test {
   Workbench bench_{options()};
   Camera camera_ = *cameraFromView("top");
   AppContext context_{.bench = bench_, .camera = camera_, .width = 400, .height = 300};
-  ExportPlan& plan_ = bench_.exporting();
+  ExportPlan& plan_ = *bench_.exporting;
 };
 
 TEST_F(ExportPlanTest, WhatKerfCheckWillSayIsKnownBeforeAnythingIsWritten) {
@@ -109,12 +113,12 @@ TEST_F(ExportPlanTest, WhatIsCutAfterTheCheckIsCheckedAndWrittenToo) {
   EXPECT_FALSE(plan_.isOutdated());
   ASSERT_TRUE(play("export.write\nwait\n")) << allNotices();
   const double once = volumeOf(besideScan("bar-cut.stl"));
-  EXPECT_FALSE(bench_.hasUnexportedCut());
+  EXPECT_FALSE(bench_.results->hasUnexportedCut());
 
   ASSERT_TRUE(play(drill(150)));
   EXPECT_TRUE(plan_.isOutdated());
   EXPECT_FALSE(plan_.isDone());
-  EXPECT_TRUE(bench_.hasUnexportedCut());
+  EXPECT_TRUE(bench_.results->hasUnexportedCut());
   ASSERT_TRUE(play("export.write replace\nwait\n")) << allNotices();
   EXPECT_LT(volumeOf(besideScan("bar-cut.stl")), once - 0.02);
   EXPECT_TRUE(plan_.isDone());
@@ -191,30 +195,30 @@ TEST_F(ExportPlanTest, OnePieceOfSeveralIsNotTheCut) {
   ASSERT_TRUE(play("export.pieces piece 2\nexport.to \"" + one.string() + "\"\nexport.write\nwait\n")) << allNotices();
   ASSERT_TRUE(plan_.written());
   ASSERT_TRUE(fs::exists(one));
-  EXPECT_TRUE(bench_.hasUnexportedCut()) << "the other piece is nowhere yet";
-  bench_.exportTo(folder_.path() / "again.stl", {.only = bench_.scene().shown().front()->id});
+  EXPECT_TRUE(bench_.results->hasUnexportedCut()) << "the other piece is nowhere yet";
+  bench_.results->exportTo(folder_.path() / "again.stl", {.only = bench_.document->scene().shown().front()->id});
   ASSERT_TRUE(play("wait\n")) << allNotices();
-  EXPECT_TRUE(bench_.hasUnexportedCut());
+  EXPECT_TRUE(bench_.results->hasUnexportedCut());
   ASSERT_TRUE(play("export.pieces each\nexport.write\nwait\n")) << allNotices();
-  EXPECT_FALSE(bench_.hasUnexportedCut());
+  EXPECT_FALSE(bench_.results->hasUnexportedCut());
 }
 
 // A choice made during a write does not undo the write.
 TEST_F(ExportPlanTest, AFileThatIsWrittenIsToldWhateverWasChosenMeanwhile) {
   ASSERT_TRUE(play(open() + sawThrough() + "export.show\nwait\n")) << allNotices();
   plan_.write();
-  ASSERT_TRUE(bench_.job());
+  ASSERT_TRUE(bench_.jobs->running());
   plan_.choose({.is_each = true});
   ASSERT_TRUE(play("wait\n")) << allNotices();
   EXPECT_TRUE(fs::exists(besideScan("bar-cut.stl")));
   EXPECT_NE(allNotices().find("bar-cut.stl: "), std::string::npos) << allNotices();
-  EXPECT_FALSE(bench_.hasUnexportedCut());
+  EXPECT_FALSE(bench_.results->hasUnexportedCut());
   EXPECT_FALSE(plan_.written()) << "of what is chosen now nothing is written";
   EXPECT_EQ(plan_.stage(), Stage::kReady) << "it is checked";
 
   // The same for a changed name.
   plan_.write();
-  ASSERT_TRUE(bench_.job());
+  ASSERT_TRUE(bench_.jobs->running());
   plan_.setName("other.stl");
   ASSERT_TRUE(play("wait\n")) << allNotices();
   EXPECT_TRUE(fs::exists(besideScan("bar-cut-piece-1.stl")));
@@ -229,7 +233,7 @@ TEST_F(ExportPlanTest, WhatIsAskedForWhileAnOldCheckEndsIsWrittenAfterTheNextOne
   plan_.show({});
   while (!plan_.isBusy()) bench_.update();
   plan_.choose({.is_each = true});
-  ASSERT_TRUE(bench_.job()) << "the check of the other choice is not over";
+  ASSERT_TRUE(bench_.jobs->running()) << "the check of the other choice is not over";
   plan_.write();
   ASSERT_TRUE(play("wait\n")) << allNotices();
   EXPECT_EQ(plan_.stage(), Stage::kWritten) << allNotices();
@@ -241,7 +245,7 @@ TEST_F(ExportPlanTest, WhatIsAskedForWhileAnOldCheckEndsIsWrittenAfterTheNextOne
 TEST_F(ExportPlanTest, AFileThatWasNotNamedIsNotReplaced) {
   const auto names = [&] {
     std::vector<std::string> out;
-    for (const SceneObject* piece : bench_.scene().shown()) out.push_back(piece->name);
+    for (const SceneObject* piece : bench_.document->scene().shown()) out.push_back(piece->name);
     return out;
   };
   ASSERT_TRUE(play(open() + sawThrough() + "export.show\nwait\nexport.pieces each\nwait\n")) << allNotices();
@@ -265,7 +269,7 @@ TEST_F(ExportPlanTest, AFileThatWasNotNamedIsNotReplaced) {
 
   plan_.write();
   do bench_.update();
-  while (bench_.job());
+  while (bench_.jobs->running());
   EXPECT_TRUE(plan_.written()) << allNotices();
   EXPECT_GT(fs::file_size(third), 4u) << "asked for a second time";
 }
@@ -283,7 +287,7 @@ TEST_F(ExportPlanTest, WhatIsNotReadyIsNotWrittenBeforeSomebodyHasReadSo) {
   // A script would end at that error; a person continues.
   const auto finish = [&] {
     do bench_.update();
-    while (bench_.job());
+    while (bench_.jobs->running());
   };
   plan_.write();
   finish();
@@ -300,8 +304,8 @@ TEST_F(ExportPlanTest, TheWindowIsNotKeptAndACheckPutAwayLeavesNothing) {
   ASSERT_TRUE(play(open() + drill(230)));
   plan_.show({});
   bench_.update();
-  ASSERT_TRUE(bench_.job());
-  EXPECT_FALSE(bench_.isWriting()) << "nobody waits for it at the end";
+  ASSERT_TRUE(bench_.jobs->running());
+  EXPECT_FALSE(bench_.jobs->isWriting()) << "nobody waits for it at the end";
   plan_.hide();
   ASSERT_TRUE(play("wait\n")) << allNotices();
   EXPECT_FALSE(plan_.isShown());
@@ -341,7 +345,8 @@ TEST_F(ExportPlanTest, QuittingAsksOnceAboutACutThatWasNotExported) {
   EXPECT_FALSE(context_.wants_quit);
   EXPECT_TRUE(context_.is_asking_to_quit);
   const std::string asked = quit::question(bench_);
-  EXPECT_EQ(asked.find("Your cut is kept in " + bench_.sessionFolder().string() + "; it was not exported."), 0u)
+  EXPECT_EQ(asked.find("Your cut is kept in " + bench_.document->sessionFolder().string() + "; it was not exported."),
+            0u)
       << asked;
 
   ASSERT_TRUE(play("app.stay\n"));

@@ -1,5 +1,5 @@
 // The window's gamepad or joystick, on devices simulated by SDL.
-#include "ui/app/hand/game_controller.h"
+#include "ui/app/controller/game_controller.h"
 
 #include <SDL2/SDL.h>
 #include <gtest/gtest.h>

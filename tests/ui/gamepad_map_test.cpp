@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "tests/ui/block_on_bench.h"
+#include "ui/app/document/document.h"
+#include "ui/app/workbench/strokes.h"
 
 namespace kerf::gamepad_map_test {
 namespace {
@@ -79,29 +81,29 @@ TEST(GamepadMap, ASlowFrameMakesNoLeap) {
 class GamepadOnABlock : public OnABlock {
  protected:
   void play(const GamepadState& state, double seconds) {
-    const auto end = bench_.report().tick + static_cast<std::uint64_t>(seconds / kTick);
+    const auto end = bench_.document->report().tick + static_cast<std::uint64_t>(seconds / kTick);
     until([&] {
       hand_.update(context_, pointer_, state, 0.002);
-      return bench_.report().tick >= end;
+      return bench_.document->report().tick >= end;
     });
   }
   GamepadHand hand_;
 };
 
 TEST_F(GamepadOnABlock, TheTriggerDrillsAndItsReleaseEndsTheStroke) {
-  const double nominal = bench_.run()->model().tools[0].drive.speed;
-  bench_.setForce(Workbench::kLeastForce);
+  const double nominal = bench_.document->run()->model().tools[0].drive.speed;
+  bench_.strokes->setForce(Strokes::kLeastForce);
   pointer_.move(context_, {200, 150}, {});
   play({.right_trigger = 0.55}, 2);
-  EXPECT_TRUE(bench_.isPressed());
-  EXPECT_NEAR(bench_.report().output.speed / nominal, 0.5, 0.1) << "its value is the pedal";
-  EXPECT_GT(bench_.removedMm3(), 0);
+  EXPECT_TRUE(bench_.strokes->isPressed());
+  EXPECT_NEAR(bench_.document->report().output.speed / nominal, 0.5, 0.1) << "its value is the pedal";
+  EXPECT_GT(bench_.document->removedMm3(), 0);
   play({}, 0.01);
-  EXPECT_FALSE(bench_.isPressed());
+  EXPECT_FALSE(bench_.strokes->isPressed());
 
   pointer_.move(context_, {2, 2}, {});
   play({.right_trigger = 1}, 0.05);
-  EXPECT_FALSE(bench_.isPressed()) << "in the air there is nothing to cut";
+  EXPECT_FALSE(bench_.strokes->isPressed()) << "in the air there is nothing to cut";
 }
 
 TEST_F(GamepadOnABlock, TheStickLeadsTheStrokeAndTurningTheViewDoesNot) {
@@ -112,43 +114,43 @@ TEST_F(GamepadOnABlock, TheStickLeadsTheStrokeAndTurningTheViewDoesNot) {
 
   GamepadState state{.right_trigger = 1};
   hand_.update(context_, pointer_, state, 0.01);
-  ASSERT_TRUE(bench_.isPressed());
-  const Vec3d began = bench_.strokePointer();
+  ASSERT_TRUE(bench_.strokes->isPressed());
+  const Vec3d began = bench_.strokes->pointer();
   state.left_stick = {0, -1};
   hand_.update(context_, pointer_, state, 0.05);
-  EXPECT_NEAR((bench_.strokePointer() - began - Vec3d(0, 0.05 * Limits::kToolSpeed, 0)).norm(), 0, 1e-3);
+  EXPECT_NEAR((bench_.strokes->pointer() - began - Vec3d(0, 0.05 * Limits::kToolSpeed, 0)).norm(), 0, 1e-3);
 
-  const Vec3d led = bench_.strokePointer();
+  const Vec3d led = bench_.strokes->pointer();
   const double azimuth = camera_.azimuth;
   state.left_stick = {0, 0};
   state.right_stick = {1, 0.5};
   hand_.update(context_, pointer_, state, 0.1);
-  EXPECT_EQ(bench_.strokePointer(), led);
+  EXPECT_EQ(bench_.strokes->pointer(), led);
   EXPECT_NE(camera_.azimuth, azimuth);
 }
 
 TEST_F(GamepadOnABlock, UnpluggedWhileItDrillsItEndsTheStrokeAndNoOther) {
   pointer_.move(context_, {200, 150}, {});
   play({.right_trigger = 1}, 0.1);
-  ASSERT_TRUE(bench_.isPressed());
+  ASSERT_TRUE(bench_.strokes->isPressed());
   hand_.update(context_, pointer_, {}, 0.01);
-  EXPECT_FALSE(bench_.isPressed());
+  EXPECT_FALSE(bench_.strokes->isPressed());
 
   ASSERT_TRUE(pointer_.press(context_, {200, 150}));
   hand_.update(context_, pointer_, {}, 0.01);
-  EXPECT_TRUE(bench_.isPressed()) << "the mouse's";
+  EXPECT_TRUE(bench_.strokes->isPressed()) << "the mouse's";
 }
 
 TEST_F(GamepadOnABlock, AfterAnUndoTheTriggerHasToGoToRestFirst) {
   pointer_.move(context_, {200, 150}, {});
   play({.right_trigger = 1}, 2);
-  ASSERT_GT(bench_.removedMm3(), 0);
+  ASSERT_GT(bench_.document->removedMm3(), 0);
   play({.right_trigger = 1, .a = true}, 0.5);
-  EXPECT_FALSE(bench_.isPressed());
-  EXPECT_NEAR(bench_.removedMm3(), 0, 1e-9);
+  EXPECT_FALSE(bench_.strokes->isPressed());
+  EXPECT_NEAR(bench_.document->removedMm3(), 0, 1e-9);
   play({}, 0.01);
   play({.right_trigger = 1}, 0.05);
-  EXPECT_TRUE(bench_.isPressed());
+  EXPECT_TRUE(bench_.strokes->isPressed());
 }
 
 }  // namespace

@@ -16,8 +16,13 @@
 #include "tests/support/open_block.h"
 #include "tests/support/temporary_folder.h"
 #include "ui/app/commands/app_commands.h"
+#include "ui/app/document/document.h"
+#include "ui/app/document/jobs.h"
 #include "ui/app/script/app_script.h"
 #include "ui/app/session/arm_lead.h"
+#include "ui/app/workbench/force_device.h"
+#include "ui/app/workbench/sessions.h"
+#include "ui/app/workbench/strokes.h"
 
 namespace kerf::hid_arm_lead_test {
 namespace {
@@ -102,10 +107,10 @@ class HidArmLead : public testing::Test {
     options.device = device;
     bench_ = std::make_unique<Workbench>(options);
     context_.emplace(AppContext{.bench = *bench_, .camera = camera_});
-    ASSERT_TRUE(bench_->arm().isOpen()) << notices();
+    ASSERT_TRUE(bench_->device->arm().isOpen()) << notices();
     ASSERT_TRUE(run("device.pedal", {"on"}));
-    bench_->open(scan);
-    ASSERT_TRUE(until([&] { return bench_->isOpen() && !bench_->job(); }, 120)) << notices();
+    bench_->sessions->open(scan);
+    ASSERT_TRUE(until([&] { return bench_->document->isOpen() && !bench_->jobs->running(); }, 120)) << notices();
   }
   bool until(const std::function<bool()>& holds, double most_s = 30) {
     const auto end = steady_clock::now() + std::chrono::duration<double>(most_s);
@@ -121,7 +126,7 @@ class HidArmLead : public testing::Test {
   }
   std::string notices() const {
     std::string out;
-    for (const Notice& notice : bench_->notices()) out += notice.text + "\n";
+    for (const Notice& notice : bench_->notices->list()) out += notice.text + "\n";
     return out;
   }
 
@@ -141,40 +146,41 @@ class HidArmLead : public testing::Test {
 TEST_F(HidArmLead, UnpluggedMidCutLosesNothingAndLeadsAgainWhenItIsPluggedIn) {
   PluggedArm first(*bed_, raw_);
   openBlock("R-1");
-  ASSERT_TRUE(until([&] { return bench_->isLed(); })) << bench_->arm().view().missing;
-  ASSERT_TRUE(run("device.arm")) << bench_->arm().view().missing;
-  ASSERT_TRUE(until([&] { return bench_->removedMm3() > 0.05 && first.force().norm() > 0.05; }));
+  ASSERT_TRUE(until([&] { return bench_->device->isLed(); })) << bench_->device->arm().view().missing;
+  ASSERT_TRUE(run("device.arm")) << bench_->device->arm().view().missing;
+  ASSERT_TRUE(until([&] { return bench_->document->removedMm3() > 0.05 && first.force().norm() > 0.05; }));
 
   // Unplugged during a cut with force.
-  const double removed = bench_->removedMm3();
+  const double removed = bench_->document->removedMm3();
   EXPECT_LE(first.unplug(), kForceless);
-  ASSERT_TRUE(until([&] { return !bench_->isLed(); })) << "it is gone: the mouse leads";
-  EXPECT_FALSE(bench_->arm().isArmed());
+  ASSERT_TRUE(until([&] { return !bench_->device->isLed(); })) << "it is gone: the mouse leads";
+  EXPECT_FALSE(bench_->device->arm().isArmed());
   EXPECT_NE(notices().find("is gone: no force, and it is to be armed anew"), std::string::npos) << notices();
-  EXPECT_NE(bench_->arm().view().missing.find("unplugged"), std::string::npos) << bench_->arm().view().missing;
-  EXPECT_GE(bench_->removedMm3(), removed);
+  EXPECT_NE(bench_->device->arm().view().missing.find("unplugged"), std::string::npos)
+      << bench_->device->arm().view().missing;
+  EXPECT_GE(bench_->document->removedMm3(), removed);
 
-  ASSERT_TRUE(until([&] { return bench_->press({{-2, 0, 50}, {0, 0, -1}}); }));
-  ASSERT_TRUE(until([&] { return bench_->removedMm3() > removed + 0.02; })) << "by the mouse";
-  bench_->release();
+  ASSERT_TRUE(until([&] { return bench_->strokes->press({{-2, 0, 50}, {0, 0, -1}}); }));
+  ASSERT_TRUE(until([&] { return bench_->document->removedMm3() > removed + 0.02; })) << "by the mouse";
+  bench_->strokes->release();
 
   // Plugged in again, at another node: its serial number identifies it.
   SimulatedHid again = raw_;
   again.port = 2;
   again.first_node = 1;
   PluggedArm second(*bed_, again);
-  ASSERT_TRUE(until([&] { return bench_->isLed(); })) << bench_->arm().view().missing;
-  EXPECT_FALSE(bench_->arm().isArmed());
-  const double by_mouse = bench_->removedMm3();
-  ASSERT_TRUE(until([&] { return bench_->removedMm3() > by_mouse + 0.02; })) << "it leads, and cuts";
+  ASSERT_TRUE(until([&] { return bench_->device->isLed(); })) << bench_->device->arm().view().missing;
+  EXPECT_FALSE(bench_->device->arm().isArmed());
+  const double by_mouse = bench_->document->removedMm3();
+  ASSERT_TRUE(until([&] { return bench_->document->removedMm3() > by_mouse + 0.02; })) << "it leads, and cuts";
   EXPECT_EQ(second.mostForce(), 0) << "nobody has armed it since";
-  ASSERT_TRUE(run("device.arm")) << bench_->arm().view().missing;
+  ASSERT_TRUE(run("device.arm")) << bench_->device->arm().view().missing;
   ASSERT_TRUE(until([&] { return second.force().norm() > 0.05; }));
 
-  const double in_all = bench_->removedMm3();
-  const fs::path session = bench_->sessionFolder();
-  bench_->close();
-  ASSERT_TRUE(until([&] { return !bench_->job(); }));
+  const double in_all = bench_->document->removedMm3();
+  const fs::path session = bench_->document->sessionFolder();
+  bench_->sessions->close();
+  ASSERT_TRUE(until([&] { return !bench_->jobs->running(); }));
   const auto replayed = replayRun(session);
   ASSERT_TRUE(replayed) << replayed.error().message();
   EXPECT_TRUE(replayed->is_same && replayed->is_whole) << replayed->note;

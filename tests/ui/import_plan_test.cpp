@@ -12,7 +12,10 @@
 #include "tests/support/open_block.h"
 #include "tests/support/temporary_folder.h"
 #include "ui/app/commands/app_commands.h"
+#include "ui/app/document/document.h"
+#include "ui/app/document/jobs.h"
 #include "ui/app/script/app_script.h"
+#include "ui/app/workbench/imports.h"
 
 namespace kerf::import_plan_test {
 namespace {
@@ -203,17 +206,18 @@ TEST_F(ImportCommandsTest, AScanIsReadLookedAtAndPreparedAsChosen) {
   Workbench bench(options());
   const std::string read = "import.read \"" + block().string() + "\"\nwait\n";
   ASSERT_TRUE(play(bench, read + "import.base full 4\nimport.voxel 0.2\nwait\n"));
-  ASSERT_TRUE(bench.importPlan());
-  EXPECT_FALSE(bench.isOpen());
+  ASSERT_TRUE(bench.imports->plan());
+  EXPECT_FALSE(bench.document->isOpen());
   EXPECT_EQ(cases(), 0u) << "nothing is prepared before the user says so";
-  ASSERT_TRUE(bench.importPlan()->preview()) << "a script waits for it";
+  ASSERT_TRUE(bench.imports->plan()->preview()) << "a script waits for it";
 
   const auto played = play(bench, "import.start\nwait\n");
   ASSERT_TRUE(played) << played.error().message();
-  EXPECT_FALSE(bench.importPlan());
-  ASSERT_TRUE(bench.isOpen());
-  EXPECT_NEAR(bench.scene().bounds().size()[2], 3 + 4, 0.2) << "as drawn: within a voxel";
-  EXPECT_NE(bench.notices().back().text.find("voxels of 0.2 mm"), std::string::npos) << bench.notices().back().text;
+  EXPECT_FALSE(bench.imports->plan());
+  ASSERT_TRUE(bench.document->isOpen());
+  EXPECT_NEAR(bench.document->scene().bounds().size()[2], 3 + 4, 0.2) << "as drawn: within a voxel";
+  EXPECT_NE(bench.notices->list().back().text.find("voxels of 0.2 mm"), std::string::npos)
+      << bench.notices->list().back().text;
 }
 
 TEST_F(ImportCommandsTest, WithoutAChoiceItIsTheCaseThatFileOpenMakes) {
@@ -228,24 +232,24 @@ TEST_F(ImportCommandsTest, ARemedyThatFailsLeavesThePlanForAnother) {
   const auto played =
       play(bench, "import.read \"" + bowl().string() + "\"\nwait\nimport.close holes\nimport.start\nwait\n");
   EXPECT_FALSE(played);
-  EXPECT_FALSE(bench.isOpen());
-  ASSERT_TRUE(bench.importPlan());
-  ASSERT_TRUE(bench.importPlan()->setClosing({}));
-  bench.startImport();
+  EXPECT_FALSE(bench.document->isOpen());
+  ASSERT_TRUE(bench.imports->plan());
+  ASSERT_TRUE(bench.imports->plan()->setClosing({}));
+  bench.imports->start();
   do bench.update();
-  while (bench.job());
-  EXPECT_TRUE(bench.isOpen()) << bench.notices().back().text;
+  while (bench.jobs->running());
+  EXPECT_TRUE(bench.document->isOpen()) << bench.notices->list().back().text;
 }
 
 TEST_F(ImportCommandsTest, AScanThatIsPutAwayLeavesTheSessionAlone) {
   Workbench bench(options());
   const std::string file = "\"" + block().string() + "\"\nwait\n";
   ASSERT_TRUE(play(bench, "file.open " + file));
-  const auto generation = bench.generation();
+  const auto generation = bench.document->generation();
   ASSERT_TRUE(play(bench, "import.read " + file + "import.cancel\n"));
-  EXPECT_FALSE(bench.importPlan());
-  EXPECT_TRUE(bench.isOpen());
-  EXPECT_EQ(bench.generation(), generation);
+  EXPECT_FALSE(bench.imports->plan());
+  EXPECT_TRUE(bench.document->isOpen());
+  EXPECT_EQ(bench.document->generation(), generation);
 }
 
 TEST_F(ImportCommandsTest, WhatIsNoScanIsOpenedAtOnce) {
@@ -253,8 +257,8 @@ TEST_F(ImportCommandsTest, WhatIsNoScanIsOpenedAtOnce) {
   ASSERT_TRUE(play(bench, "file.open \"" + block().string() + "\"\nwait\n"));
   const fs::path prepared = fs::directory_iterator(folder_.path() / "data" / "cases")->path();
   ASSERT_TRUE(play(bench, "import.read \"" + prepared.string() + "\"\nwait\n"));
-  EXPECT_FALSE(bench.importPlan());
-  EXPECT_EQ(bench.name(), prepared.stem().string());
+  EXPECT_FALSE(bench.imports->plan());
+  EXPECT_EQ(bench.document->name(), prepared.stem().string());
 }
 
 TEST_F(ImportCommandsTest, WhatCannotBeDoneIsSaid) {

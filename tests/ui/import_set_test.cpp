@@ -13,7 +13,10 @@
 #include "tests/support/temporary_folder.h"
 #include "ui/app/commands/app_commands.h"
 #include "ui/app/commands/import_commands.h"
+#include "ui/app/document/document.h"
 #include "ui/app/script/app_script.h"
+#include "ui/app/workbench/imports.h"
+#include "ui/app/workbench/scene_neighbours.h"
 
 namespace kerf::import_set_test {
 namespace {
@@ -76,30 +79,30 @@ TEST_F(ImportSetTest, OfSeveralScansOneIsCutAndTheOthersStandBesideAsChosen) {
   Workbench bench(options());
   mustPlay(bench,
            "import.read" + quoted(block("36", 0)) + quoted(block("35", 7)) + quoted(block("37", -7)) + "\nwait\n");
-  ASSERT_TRUE(bench.importSet());
-  const auto& entries = bench.importSet()->entries();
+  ASSERT_TRUE(bench.imports->set());
+  const auto& entries = bench.imports->set()->entries();
   ASSERT_EQ(entries.size(), 3u);
   EXPECT_EQ(entries[0].role, ImportRole::kCut);
   EXPECT_EQ(entries[1].role, ImportRole::kBeside);
-  EXPECT_EQ(bench.importSet()->chosen(), 0u);
+  EXPECT_EQ(bench.imports->set()->chosen(), 0u);
 
   // Each scan has its own remedies. Exactly one scan is the work object.
   mustPlay(bench, "import.role 2 cut\nimport.role 3 out\nimport.choose 1\nimport.base full 5\nimport.voxel 0.2\n");
   EXPECT_EQ(entries[0].role, ImportRole::kBeside);
-  EXPECT_EQ(bench.importSet()->cut()->file.stem(), "35");
+  EXPECT_EQ(bench.imports->set()->cut()->file.stem(), "35");
   EXPECT_EQ(entries[1].scan->closing(), ClosingChoice{}) << "another file's base stays as it was";
   EXPECT_FALSE(play(bench, "import.role 2 out\n")) << "one has to be cut";
-  EXPECT_EQ(bench.importSet()->cut()->file.stem(), "35");
+  EXPECT_EQ(bench.imports->set()->cut()->file.stem(), "35");
 
   mustPlay(bench, "import.start\nwait\n");
-  ASSERT_TRUE(bench.isOpen());
-  EXPECT_EQ(bench.name(), "35");
-  ASSERT_EQ(bench.neighbours().size(), 1u) << "37 was left out";
-  EXPECT_EQ(bench.neighbours()[0].name, "36");
-  const CaseManifest& beside = bench.run()->neighbours()[0].known.manifest;
+  ASSERT_TRUE(bench.document->isOpen());
+  EXPECT_EQ(bench.document->name(), "35");
+  ASSERT_EQ(bench.neighbours->list().size(), 1u) << "37 was left out";
+  EXPECT_EQ(bench.neighbours->list()[0].name, "36");
+  const CaseManifest& beside = bench.document->run()->neighbours()[0].known.manifest;
   EXPECT_NEAR(beside.box.size()[2], 3 + 5, 1e-3) << "the base that was chosen for it";
   EXPECT_EQ(beside.voxel_mm, 0.2);
-  EXPECT_EQ(bench.run()->caseManifest().voxel_mm, 0.1);
+  EXPECT_EQ(bench.document->run()->caseManifest().voxel_mm, 0.1);
 }
 
 TEST_F(ImportSetTest, FilesInDifferentUnitsAreNotPreparedUntilAUnitIsChosen) {
@@ -109,15 +112,15 @@ TEST_F(ImportSetTest, FilesInDifferentUnitsAreNotPreparedUntilAUnitIsChosen) {
   ASSERT_TRUE(writeMesh(small, metres));
   Workbench bench(options());
   mustPlay(bench, "import.read" + quoted(block("36", 0)) + quoted(small) + "\nwait\n");
-  ASSERT_TRUE(bench.importSet());
-  const auto& findings = bench.importSet()->findings();
+  ASSERT_TRUE(bench.imports->set());
+  const auto& findings = bench.imports->set()->findings();
   EXPECT_TRUE(std::any_of(findings.begin(), findings.end(), [](const Finding& f) { return f.about == "Unit"; }));
-  const auto ready = bench.importSet()->requireReady();
+  const auto ready = bench.imports->set()->requireReady();
   ASSERT_FALSE(ready);
   EXPECT_EQ(ready.error().place, "unit") << ready.error().message();
 
   mustPlay(bench, "import.choose 2\nimport.unit m\n");
-  EXPECT_TRUE(bench.importSet()->requireReady());
+  EXPECT_TRUE(bench.imports->set()->requireReady());
 }
 
 TEST_F(ImportSetTest, OneMoreIsAddedToWhatIsLookedAt) {
@@ -125,28 +128,28 @@ TEST_F(ImportSetTest, OneMoreIsAddedToWhatIsLookedAt) {
   mustPlay(bench, "import.read" + quoted(block("36", 0)) + "\nwait\nimport.base full 5\n");
   EXPECT_FALSE(play(bench, "import.role 1 beside\n")) << "there is one alone";
   mustPlay(bench, "import.add" + quoted(block("35", 7)) + "\nwait\n");
-  ASSERT_EQ(bench.importSet()->entries().size(), 2u);
-  EXPECT_EQ(bench.importSet()->chosen(), 1u) << "the new one is shown";
-  EXPECT_EQ(bench.importSet()->entries()[0].scan->closing().base_mm, 5) << "what was decided stays";
-  EXPECT_EQ(bench.importSet()->entries()[1].role, ImportRole::kBeside);
+  ASSERT_EQ(bench.imports->set()->entries().size(), 2u);
+  EXPECT_EQ(bench.imports->set()->chosen(), 1u) << "the new one is shown";
+  EXPECT_EQ(bench.imports->set()->entries()[0].scan->closing().base_mm, 5) << "what was decided stays";
+  EXPECT_EQ(bench.imports->set()->entries()[1].role, ImportRole::kBeside);
 }
 
 TEST_F(ImportSetTest, AFileThatIsNoneLeavesWhatIsLookedAtAlone) {
   Workbench bench(options());
   mustPlay(bench, "import.read" + quoted(block("36", 0)) + "\nwait\n");
   EXPECT_FALSE(play(bench, "import.add" + quoted(folder_.write("broken.stl", "solid")) + "\nwait\n"));
-  ASSERT_TRUE(bench.importSet());
-  EXPECT_EQ(bench.importSet()->entries().size(), 1u);
+  ASSERT_TRUE(bench.imports->set());
+  EXPECT_EQ(bench.imports->set()->entries().size(), 1u);
 }
 
 TEST_F(ImportSetTest, ScansThatAreFarApartAreDoubtedBeforeTheyArePrepared) {
   Workbench bench(options());
   mustPlay(bench, "import.read" + quoted(block("36", 0)) + quoted(block("far", 90)) + "\nwait\n");
-  const auto findings = bench.importSet()->findings();
+  const auto findings = bench.imports->set()->findings();
   ASSERT_EQ(findings.size(), 1u);
   EXPECT_NE(findings[0].text.find("far.ply is 84 mm away"), std::string::npos) << findings[0].text;
   mustPlay(bench, "import.role 2 out\n");
-  EXPECT_TRUE(bench.importSet()->findings().empty());
+  EXPECT_TRUE(bench.imports->set()->findings().empty());
 }
 
 TEST_F(ImportSetTest, ACaseAmongThemStandsAsItIs) {
@@ -154,25 +157,25 @@ TEST_F(ImportSetTest, ACaseAmongThemStandsAsItIs) {
   mustPlay(bench, "file.open" + quoted(block("35", 7)) + "\nwait\nfile.close\nwait\n");
   const fs::path prepared = fs::directory_iterator(folder_.path() / "data" / "cases")->path();
   mustPlay(bench, "import.read" + quoted(block("36", 0)) + quoted(prepared) + "\nwait\nimport.choose 2\n");
-  EXPECT_FALSE(bench.importPlan());
+  EXPECT_FALSE(bench.imports->plan());
   EXPECT_FALSE(play(bench, "import.base full 3\n")) << "nothing is decided about a case";
   mustPlay(bench, "import.start\nwait\n");
-  ASSERT_EQ(bench.neighbours().size(), 1u);
-  EXPECT_EQ(bench.name(), "36");
+  ASSERT_EQ(bench.neighbours->list().size(), 1u);
+  EXPECT_EQ(bench.document->name(), "36");
 }
 
 TEST_F(ImportSetTest, ThePictureShowsAllThatIsNotLeftOut) {
   Workbench bench(options());
   mustPlay(bench, "import.read" + quoted(block("36", 0)) + quoted(block("35", 7)) + "\nwait\n");
-  ASSERT_TRUE(bench.importSet()->preview()) << "a script waits for it";
-  ImportPicture picture = bench.importSet()->picture(true);
+  ASSERT_TRUE(bench.imports->set()->preview()) << "a script waits for it";
+  ImportPicture picture = bench.imports->set()->picture(true);
   ASSERT_EQ(picture.parts.size(), 2u);
   EXPECT_FALSE(picture.parts[0].is_beside);
   EXPECT_TRUE(picture.parts[1].is_beside);
-  EXPECT_EQ(picture.parts[0].mesh, bench.importSet()->preview()->solid);
+  EXPECT_EQ(picture.parts[0].mesh, bench.imports->set()->preview()->solid);
   EXPECT_NEAR(picture.box.size()[0], 13, 1e-5);
   mustPlay(bench, "import.role 2 out\n");
-  EXPECT_EQ(bench.importSet()->picture(true).parts.size(), 1u);
+  EXPECT_EQ(bench.imports->set()->picture(true).parts.size(), 1u);
 }
 
 // ---- Labels of a CT
@@ -180,8 +183,8 @@ TEST_F(ImportSetTest, ThePictureShowsAllThatIsNotLeftOut) {
 TEST_F(ImportSetTest, LabelsOfACtAreListedWithTheirNamesAndVolumes) {
   Workbench bench(options());
   mustPlay(bench, "import.read" + quoted(volume(kNames)) + "\nwait\n");
-  ASSERT_TRUE(bench.importSet());
-  const LabelPlan* const plan = bench.importSet()->labels();
+  ASSERT_TRUE(bench.imports->set());
+  const LabelPlan* const plan = bench.imports->set()->labels();
   ASSERT_TRUE(plan);
   ASSERT_EQ(plan->found().labels.size(), 2u);
   EXPECT_EQ(plan->found().labels[0].called(), "Mandible bone");
@@ -200,7 +203,7 @@ TEST_F(ImportSetTest, LabelsOfACtAreListedWithTheirNamesAndVolumes) {
   EXPECT_NEAR(unseen.areaMm2(), area, 0.15 * area) << "from the faces of voxels, before the surface is there";
   EXPECT_GT(unseen.prediction().bytes, 0);
 
-  const auto state = nlohmann::json::parse(importState(*bench.importSet()));
+  const auto state = nlohmann::json::parse(import_commands::importState(*bench.imports->set()));
   EXPECT_EQ(state["labels"][1]["tissue"], "nerve_canal");
   EXPECT_EQ(state["files"][0]["what"], "labels of a CT");
 }
@@ -208,40 +211,40 @@ TEST_F(ImportSetTest, LabelsOfACtAreListedWithTheirNamesAndVolumes) {
 TEST_F(ImportSetTest, LabelsAreCutAsTheTissuesThatWereChosen) {
   Workbench bench(options());
   mustPlay(bench, "import.read" + quoted(volume()) + "\nwait\n");
-  EXPECT_EQ(bench.importSet()->labels()->tissue(2), Material::kGeneric) << "no name, no tissue of its own";
+  EXPECT_EQ(bench.imports->set()->labels()->tissue(2), Material::kGeneric) << "no name, no tissue of its own";
   EXPECT_FALSE(play(bench, "import.tissue 3 dentin\n")) << "there is no label 3";
   EXPECT_FALSE(play(bench, "import.tissue 2 wood\n"));
   mustPlay(bench, "import.tissue 2 dentin\nimport.tissue 7 pulp\nimport.voxel 0.15\nimport.start\nwait\n");
-  ASSERT_TRUE(bench.isOpen());
-  EXPECT_EQ(bench.name(), "ct");
-  EXPECT_EQ(bench.source(), folder_.path() / "ct.nrrd");
-  const CaseManifest& made = bench.run()->caseManifest();
+  ASSERT_TRUE(bench.document->isOpen());
+  EXPECT_EQ(bench.document->name(), "ct");
+  EXPECT_EQ(bench.document->source(), folder_.path() / "ct.nrrd");
+  const CaseManifest& made = bench.document->run()->caseManifest();
   EXPECT_EQ(made.voxel_mm, 0.15);
   ASSERT_EQ(made.parts.size(), 2u);
   EXPECT_EQ(made.parts[0].material, "dentin");
   EXPECT_EQ(made.parts[1].material, "pulp");
-  EXPECT_FALSE(bench.structures()->isEmpty()) << "a pulp is kept an eye on";
+  EXPECT_FALSE(bench.document->structures()->isEmpty()) << "a pulp is kept an eye on";
 }
 
 TEST_F(ImportSetTest, ALabelThatIsLeftOutIsAir) {
   Workbench bench(options());
   mustPlay(bench, "import.read" + quoted(volume()) + "\nwait\nimport.tissue 7 none\nwait\n");
-  const LabelPlan& plan = *bench.importSet()->labels();
+  const LabelPlan& plan = *bench.imports->set()->labels();
   ASSERT_TRUE(plan.preview());
   EXPECT_NEAR(plan.preview()->volume_mm3, plan.found().labels[0].volume_mm3, 0.02 * plan.found().labels[0].volume_mm3);
   mustPlay(bench, "import.tissue 2 none\n");
   const auto refused = play(bench, "import.start\n");
   ASSERT_FALSE(refused) << "nothing would be there";
   EXPECT_NE(refused.error().message().find("all labels are left out"), std::string::npos) << refused.error().message();
-  EXPECT_TRUE(bench.importSet());
+  EXPECT_TRUE(bench.imports->set());
 }
 
 TEST_F(ImportSetTest, AVolumeThatIsOpenedAtOnceTakesItsTissuesByName) {
   Workbench bench(options());
   mustPlay(bench, "file.open" + quoted(volume(kNames)) + "\nwait\n");
-  ASSERT_TRUE(bench.isOpen());
-  ASSERT_EQ(bench.run()->caseManifest().parts.size(), 2u);
-  EXPECT_EQ(bench.run()->caseManifest().parts[1].material, "nerve_canal");
+  ASSERT_TRUE(bench.document->isOpen());
+  ASSERT_EQ(bench.document->run()->caseManifest().parts.size(), 2u);
+  EXPECT_EQ(bench.document->run()->caseManifest().parts[1].material, "nerve_canal");
 }
 
 TEST_F(ImportSetTest, ARecipeIsBakedAsItSays) {
@@ -252,10 +255,10 @@ TEST_F(ImportSetTest, ARecipeIsBakedAsItSays) {
                     "material = \"dentin\"\nlabel = 2\n\n[labels]\nvolume = \"ct.nrrd\"\n");
   Workbench bench(options());
   mustPlay(bench, "import.read" + quoted(recipe) + "\nwait\n");
-  EXPECT_FALSE(bench.importSet()) << "nothing is left to decide";
-  ASSERT_TRUE(bench.isOpen());
-  EXPECT_EQ(bench.run()->caseManifest().voxel_mm, 0.2);
-  EXPECT_EQ(bench.source(), recipe);
+  EXPECT_FALSE(bench.imports->set()) << "nothing is left to decide";
+  ASSERT_TRUE(bench.document->isOpen());
+  EXPECT_EQ(bench.document->run()->caseManifest().voxel_mm, 0.2);
+  EXPECT_EQ(bench.document->source(), recipe);
 }
 
 TEST(TissueByName, TheMoreSpecialWordCounts) {
@@ -280,14 +283,14 @@ TEST_F(ImportSetTest, ARecipeAmongSeveralFilesIsPreparedAsTheProgramWasTold) {
   told.unit = "mm";
   Workbench bench(told);
   mustPlay(bench, "import.read" + quoted(block("36", 0)) + quoted(recipe) + "\nwait\n");
-  ASSERT_TRUE(bench.importSet());
-  const PrepareOptions decided = bench.importSet()->entries()[1].decided();
+  ASSERT_TRUE(bench.imports->set());
+  const PrepareOptions decided = bench.imports->set()->entries()[1].decided();
   EXPECT_EQ(decided.voxel_mm, 0.3);
   EXPECT_EQ(decided.unit, "mm");
   mustPlay(bench, "import.start\nwait\n");
-  ASSERT_TRUE(bench.isOpen());
-  ASSERT_EQ(bench.run()->neighbours().size(), 1u);
-  EXPECT_EQ(bench.run()->neighbours()[0].known.manifest.voxel_mm, 0.3);
+  ASSERT_TRUE(bench.document->isOpen());
+  ASSERT_EQ(bench.document->run()->neighbours().size(), 1u);
+  EXPECT_EQ(bench.document->run()->neighbours()[0].known.manifest.voxel_mm, 0.3);
 }
 
 // ---- Folders
@@ -302,13 +305,13 @@ TEST_F(ImportSetTest, AFolderOfDicomSlicesIsLookedAtAndCut) {
   for (const char* const end : {"", "/"}) {
     Workbench bench(options());
     mustPlay(bench, "import.read \"" + slices.string() + end + "\"\nwait\n");
-    ASSERT_TRUE(bench.importSet() && bench.importSet()->labels());
-    EXPECT_EQ(bench.importSet()->entries()[0].what(), "labels of a CT");
-    ASSERT_EQ(bench.importSet()->labels()->found().labels.size(), 2u);
-    EXPECT_NEAR(bench.importSet()->labels()->found().labels[0].volume_mm3, 48 * 0.125, 1e-6);
+    ASSERT_TRUE(bench.imports->set() && bench.imports->set()->labels());
+    EXPECT_EQ(bench.imports->set()->entries()[0].what(), "labels of a CT");
+    ASSERT_EQ(bench.imports->set()->labels()->found().labels.size(), 2u);
+    EXPECT_NEAR(bench.imports->set()->labels()->found().labels[0].volume_mm3, 48 * 0.125, 1e-6);
     mustPlay(bench, "import.tissue 2 enamel\nimport.tissue 5 dentin\nimport.voxel 0.1\nimport.start\nwait\n");
-    ASSERT_TRUE(bench.isOpen());
-    EXPECT_EQ(bench.name().find("segmented"), 0u) << bench.name();
+    ASSERT_TRUE(bench.document->isOpen());
+    EXPECT_EQ(bench.document->name().find("segmented"), 0u) << bench.document->name();
   }
 }
 
@@ -320,7 +323,7 @@ TEST_F(ImportSetTest, AFolderThatIsNothingIsRefusedWithWhatToDo) {
   ASSERT_FALSE(played);
   EXPECT_NE(played.error().found.find("a folder without slices"), std::string::npos) << played.error().message();
   EXPECT_NE(played.error().found.find("drop the files in it"), std::string::npos) << played.error().message();
-  EXPECT_FALSE(bench.isImporting());
+  EXPECT_FALSE(bench.imports->isImporting());
 }
 
 TEST_F(ImportSetTest, APictureBesideMeshesIsNoSlice) {

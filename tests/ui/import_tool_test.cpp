@@ -11,8 +11,14 @@
 #include "tests/support/temporary_folder.h"
 #include "ui/app/commands/app_commands.h"
 #include "ui/app/commands/import_commands.h"
+#include "ui/app/document/document.h"
+#include "ui/app/document/jobs.h"
 #include "ui/app/import/tool_plan.h"
 #include "ui/app/script/app_script.h"
+#include "ui/app/workbench/imports.h"
+#include "ui/app/workbench/scene_neighbours.h"
+#include "ui/app/workbench/sessions.h"
+#include "ui/app/workbench/tools.h"
 
 namespace kerf::import_tool_test {
 namespace {
@@ -63,9 +69,9 @@ class ImportToolTest : public testing::Test {
     return out;
   }
   ~ImportToolTest() override {
-    while (bench_.job()) bench_.update();
-    bench_.close();
-    while (bench_.job()) bench_.update();
+    while (bench_.jobs->running()) bench_.update();
+    bench_.sessions->close();
+    while (bench_.jobs->running()) bench_.update();
   }
   Expected<void> play(const std::string& script) {
     return runScript(context_, folder_.write("script.ks", script), [&] { bench_.update(); });
@@ -81,7 +87,7 @@ class ImportToolTest : public testing::Test {
   }
   std::string said() const {
     std::string out;
-    for (const Notice& notice : bench_.notices()) out += notice.text + "\n";
+    for (const Notice& notice : bench_.notices->list()) out += notice.text + "\n";
     return out;
   }
   fs::path toolFolder() const { return folder_.path() / "data" / "tools"; }
@@ -134,20 +140,20 @@ TEST_F(ImportToolTest, AThinEndIsFoundWhicheverWayItPoints) {
 TEST_F(ImportToolTest, ItIsWrittenIsInHandAndDrills) {
   const std::string scan = written("scan.ply", test::blockMesh(false));
   mustPlay("file.open " + scan + "\nwait\nview.fit\n");
-  const std::uint64_t before = bench_.generation();
+  const std::uint64_t before = bench_.document->generation();
   mustPlay("import.read " + written("My Bur (2).obj", handpiece()) + "\nwait\nimport.role 1 tool\n");
-  const ImportSet* const set = bench_.importSet();
+  const ImportSet* const set = bench_.imports->set();
   ASSERT_TRUE(set && set->tool());
   EXPECT_FALSE(set->tool()->isDoubtful());
-  const auto state = nlohmann::json::parse(importState(*set));
+  const auto state = nlohmann::json::parse(import_commands::importState(*set));
   EXPECT_EQ(state["tool"]["way"], "-y");
   EXPECT_EQ(state["files"][0]["role"], "tool");
 
   mustPlay("import.tool-cut 3\nimport.start\nwait\nwait 0.2\n");
-  EXPECT_FALSE(bench_.isImporting());
-  ASSERT_TRUE(bench_.isOpen());
-  EXPECT_GT(bench_.generation(), before) << "the session goes on with it";
-  EXPECT_EQ(bench_.tool(bench_.toolInHand()).id, "my-bur-2") << said();
+  EXPECT_FALSE(bench_.imports->isImporting());
+  ASSERT_TRUE(bench_.document->isOpen());
+  EXPECT_GT(bench_.document->generation(), before) << "the session goes on with it";
+  EXPECT_EQ(bench_.tools->at(bench_.tools->inHand()).id, "my-bur-2") << said();
   const auto tool = readTool(toolFolder() / "my-bur-2.toml");
   ASSERT_TRUE(tool) << tool.error().message();
   EXPECT_EQ(tool->name, "My Bur (2)");
@@ -157,14 +163,14 @@ TEST_F(ImportToolTest, ItIsWrittenIsInHandAndDrills) {
   EXPECT_NE(contentOf(toolFolder() / "my-bur-2.toml").find("read as mm"), std::string::npos);
 
   mustPlay("cut.force 3\ncut.depth 0.5\ncut.press 200 150\nwait 4\ncut.release\nwait 0.2\n");
-  EXPECT_GT(bench_.removedMm3(), 0.05);
+  EXPECT_GT(bench_.document->removedMm3(), 0.05);
 }
 
 TEST_F(ImportToolTest, WithNothingOpenItWaitsInTheRackAndIsThereTheNextTime) {
   const std::string file = written("bur.stl", handpiece());
   mustPlay("import.read " + file + "\nwait\nimport.role 1 tool\nimport.start\nwait\n");
-  EXPECT_FALSE(bench_.isOpen());
-  EXPECT_FALSE(bench_.isImporting());
+  EXPECT_FALSE(bench_.document->isOpen());
+  EXPECT_FALSE(bench_.imports->isImporting());
   EXPECT_NE(said().find("bur is in the rack"), std::string::npos) << said();
   // The same again: another name, and no overwritten file.
   mustPlay("import.read " + file + "\nwait\nimport.role 1 tool\nimport.start\nwait\n");
@@ -181,8 +187,8 @@ TEST_F(ImportToolTest, WithNothingOpenItWaitsInTheRackAndIsThereTheNextTime) {
                                                               "\"\nwait\ntool.select bur\n"),
                                 [&] { again.update(); });
   EXPECT_TRUE(opened) << opened.error().message();
-  again.close();
-  while (again.job()) again.update();
+  again.sessions->close();
+  while (again.jobs->running()) again.update();
 }
 
 // If two tools have one id, the rack shows the catalogue's: the other one would be gone at the next start.
@@ -195,10 +201,10 @@ TEST_F(ImportToolTest, AnIdOfTheCatalogueOrOfTheRackIsNotTakenAgain) {
 
   // In the rack, from a folder that is neither the catalogue's nor the user's.
   fs::create_directories(folder_.path() / "elsewhere");
-  bench_.addTool(folder_.write("elsewhere/mine.toml",
-                               "format = \"kerf-tool\"\nversion = 1\nid = \"mine\"\nname = \"My bur\"\nkind = "
-                               "\"bur\"\nshape = \"round\"\nhead_diameter = 2.2\nneck_diameter = 0.9\nneck_length = "
-                               "3.6\nshank_diameter = 1.6\nshank_length = 10\n"));
+  bench_.tools->add(folder_.write("elsewhere/mine.toml",
+                                  "format = \"kerf-tool\"\nversion = 1\nid = \"mine\"\nname = \"My bur\"\nkind = "
+                                  "\"bur\"\nshape = \"round\"\nhead_diameter = 2.2\nneck_diameter = 0.9\nneck_length = "
+                                  "3.6\nshank_diameter = 1.6\nshank_length = 10\n"));
   mustPlay("import.read " + written("mine.stl", handpiece()) + "\nwait\nimport.role 1 tool\nimport.start\nwait\n");
   EXPECT_FALSE(fs::exists(toolFolder() / "mine.toml"));
   EXPECT_TRUE(fs::exists(toolFolder() / "mine-2.toml")) << said();
@@ -211,14 +217,14 @@ TEST_F(ImportToolTest, WhenOneOfTwoFailsNoneIsLeft) {
   const auto refused = play("import.start\nwait\n");
   ASSERT_FALSE(refused) << "longer than any tool";
   EXPECT_NE(refused.error().message().find("600"), std::string::npos) << refused.error().message();
-  EXPECT_TRUE(bench_.isImporting()) << "for another try";
+  EXPECT_TRUE(bench_.imports->isImporting()) << "for another try";
   EXPECT_TRUE(!fs::exists(toolFolder()) || fs::is_empty(toolFolder()));
 
   // A script would end at that error; a person continues.
-  ASSERT_TRUE(bench_.importPlan()->setUnit("mm"));
-  bench_.startImport();
+  ASSERT_TRUE(bench_.imports->plan()->setUnit("mm"));
+  bench_.imports->start();
   do bench_.update();
-  while (bench_.job());
+  while (bench_.jobs->running());
   EXPECT_TRUE(fs::exists(toolFolder() / "bur.toml") && fs::exists(toolFolder() / "pole.toml")) << said();
   EXPECT_FALSE(fs::exists(toolFolder() / "bur-2.toml"));
 }
@@ -227,7 +233,7 @@ TEST_F(ImportToolTest, UnitAndAxisAreThoseThatWereChosen) {
   Mesh inches = handpiece();
   for (Vec3d& p : inches.vertices) p /= 25.4;
   mustPlay("import.read " + written("bur.ply", inches) + "\nwait\nimport.role 1 tool\nimport.unit inch\n");
-  const ImportSet* const set = bench_.importSet();
+  const ImportSet* const set = bench_.imports->set();
   ASSERT_TRUE(set && set->tool());
   EXPECT_NEAR(set->tool()->way().tip_width_mm, 1.4, 0.02) << "of the unit that is chosen";
   mustPlay("import.unit mm\n");
@@ -250,8 +256,8 @@ TEST_F(ImportToolTest, AnEndThatIsHardlyThinnerIsDoubted) {
   // A rod: both ends may be the tip.
   mustPlay("import.read " + written("rod.ply", turned({{0, 0.8}, {19, 0.8}}, Vec3d::Zero(), Vec3d::UnitX())) +
            "\nwait\nimport.role 1 tool\n");
-  ASSERT_TRUE(bench_.importSet() && bench_.importSet()->tool());
-  const ToolPlan& plan = *bench_.importSet()->tool();
+  ASSERT_TRUE(bench_.imports->set() && bench_.imports->set()->tool());
+  const ToolPlan& plan = *bench_.imports->set()->tool();
   EXPECT_TRUE(plan.isDoubtful());
   ASSERT_EQ(plan.findings().size(), 1u);
   EXPECT_EQ(plan.findings()[0].weight, Finding::Weight::kDoubtful);
@@ -272,11 +278,11 @@ TEST_F(ImportToolTest, OfSeveralOneIsAToolAndTheOthersAreOpened) {
   for (Vec3d& p : beside.vertices) p[0] += 6.3;
   mustPlay("import.read " + written("bur.ply", handpiece()) + " " + written("36.ply", test::blockMesh(false)) + " " +
            written("35.ply", beside) + "\nwait\nimport.role 1 tool\n");
-  ASSERT_TRUE(bench_.importSet() && bench_.importSet()->cut());
-  EXPECT_EQ(bench_.importSet()->cut()->file.stem(), "36") << "it takes the place of the first";
+  ASSERT_TRUE(bench_.imports->set() && bench_.imports->set()->cut());
+  EXPECT_EQ(bench_.imports->set()->cut()->file.stem(), "36") << "it takes the place of the first";
   mustPlay("import.start\nwait\ntool.select bur\n");
-  EXPECT_EQ(bench_.name(), "36");
-  EXPECT_EQ(bench_.neighbours().size(), 1u);
+  EXPECT_EQ(bench_.document->name(), "36");
+  EXPECT_EQ(bench_.neighbours->list().size(), 1u);
 }
 
 TEST_F(ImportToolTest, AScanThatIsDroppedMayStandBesideWhatIsOpen) {
@@ -284,21 +290,21 @@ TEST_F(ImportToolTest, AScanThatIsDroppedMayStandBesideWhatIsOpen) {
   Mesh beside = test::blockMesh(false);
   for (Vec3d& p : beside.vertices) p[0] += 6.3;
   mustPlay("import.read " + written("35.ply", beside) + "\nwait\nimport.role 1 beside\nimport.start\nwait\n");
-  EXPECT_EQ(bench_.name(), "36");
-  ASSERT_EQ(bench_.neighbours().size(), 1u) << said();
-  EXPECT_EQ(bench_.neighbours()[0].name, "35");
+  EXPECT_EQ(bench_.document->name(), "36");
+  ASSERT_EQ(bench_.neighbours->list().size(), 1u) << said();
+  EXPECT_EQ(bench_.neighbours->list()[0].name, "35");
 }
 
 // Undo reaches as far as before.
 TEST_F(ImportToolTest, WithEveryFileLeftOutWhatIsOpenGoesOnAsItIs) {
   mustPlay("file.open " + written("36.ply", test::blockMesh(false)) + "\nwait\n");
-  const std::uint64_t before = bench_.generation();
-  const fs::path session = bench_.sessionFolder();
+  const std::uint64_t before = bench_.document->generation();
+  const fs::path session = bench_.document->sessionFolder();
   mustPlay("import.read " + written("bur.ply", handpiece()) + "\nwait\nimport.role 1 out\nimport.start\nwait\n");
-  EXPECT_FALSE(bench_.isImporting());
-  EXPECT_TRUE(bench_.isOpen());
-  EXPECT_EQ(bench_.generation(), before);
-  EXPECT_EQ(bench_.sessionFolder(), session);
+  EXPECT_FALSE(bench_.imports->isImporting());
+  EXPECT_TRUE(bench_.document->isOpen());
+  EXPECT_EQ(bench_.document->generation(), before);
+  EXPECT_EQ(bench_.document->sessionFolder(), session);
   EXPECT_NE(said().find("nothing was imported"), std::string::npos) << said();
 }
 
@@ -308,7 +314,7 @@ TEST_F(ImportToolTest, WithNothingOpenSomethingIsCut) {
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().message().find("nothing that would be cut"), std::string::npos);
   mustPlay("import.role 1 tool\nimport.role 1 cut\nimport.start\nwait\n");
-  EXPECT_TRUE(bench_.isOpen());
+  EXPECT_TRUE(bench_.document->isOpen());
 }
 
 }  // namespace

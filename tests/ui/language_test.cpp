@@ -7,8 +7,8 @@
 #include <sstream>
 
 #include "tests/support/temporary_folder.h"
+#include "ui/app/settings/settings.h"
 #include "ui/app/commands/app_commands.h"
-#include "ui/app/commands/settings.h"
 #include "ui/app/script/command_palette.h"
 
 namespace kerf::language_test {
@@ -191,7 +191,7 @@ TEST_F(LanguageTest, TheGermanFileHasAllCommandsAndTheStepsOfOpeningAScan) {
   std::vector<std::string> texts{"closing",       "welding",           "point shell",   "looking for crossings",
                                  "filling holes", "building the base", "modelling pulp"};
   for (const AppCommand& command : appCommands())
-    for (const std::string_view text : {command.menu, command.label}) texts.emplace_back(text);
+    for (const std::string_view text : {menuOf(command), command.label}) texts.emplace_back(text);
   for (const std::string& text : texts) EXPECT_TRUE(text.empty() || german->shown(text) != text) << text;
 }
 

@@ -15,7 +15,8 @@
 
 #include "tests/ui/block_on_bench.h"
 #include "ui/app/base/language.h"
-#include "ui/app/commands/settings.h"
+#include "ui/app/settings/settings.h"
+#include "ui/app/document/jobs.h"
 #include "ui/window/gl/font.h"
 #include "ui/window/gl/style.h"
 #include "ui/window/gl/widgets.h"
@@ -145,7 +146,7 @@ std::string unmarked(const std::string& words) {
 
 TEST_F(LanguageWindow, EveryTextOfThePanelsGoesThroughTheOneFunction) {
   setShownLanguage(std::make_shared<const Language>(Language::marking()));
-  bench_.say("something was said");
+  bench_.notices->say("something was said");
   const std::string words = drawAll();
   for (const char* const text : {"«Cut»", "«Tool»", "«Force»", "«Devices»", "«Settings»", "«Got it»", "«Language»",
                                  "«Last 20 s»", "«push 1.0 N»", "«something was said»"})

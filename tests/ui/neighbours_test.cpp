@@ -11,8 +11,18 @@
 #include "sim/run/export/export_bundle.h"
 #include "sim/run/report/replay.h"
 #include "tests/ui/block_on_bench.h"
+#include "ui/app/readout/point_readout.h"
+#include "ui/app/document/document.h"
+#include "ui/app/document/jobs.h"
 #include "ui/app/script/app_script.h"
-#include "ui/app/workbench/point_readout.h"
+#include "ui/app/workbench/results.h"
+#include "ui/app/workbench/scene_neighbours.h"
+#include "ui/app/workbench/scene_pieces.h"
+#include "ui/app/workbench/sessions.h"
+#include "ui/app/workbench/steps.h"
+#include "ui/app/workbench/strokes.h"
+#include "ui/app/workbench/tool_monitor.h"
+#include "ui/app/workbench/tools.h"
 
 namespace kerf::neighbours_test {
 namespace {
@@ -32,12 +42,12 @@ class NeighboursTest : public test::StrokePointerTest {
     return file;
   }
   void SetUp() override {
-    bench_.depth_mm = 0.5;
-    bench_.setForce(2);
+    bench_.strokes->depth_mm = 0.5;
+    bench_.strokes->setForce(2);
   }
   void TearDown() override {
     settle();
-    bench_.close();
+    bench_.sessions->close();
     settle();
   }
   void until(const std::function<bool()>& is_so) {
@@ -47,27 +57,29 @@ class NeighboursTest : public test::StrokePointerTest {
     } while (!is_so());
   }
   void settle() {
-    until([&] { return !bench_.job() && (!bench_.isOpen() || bench_.scene().triangleCount() > 0); });
+    until([&] {
+      return !bench_.jobs->running() && (!bench_.document->isOpen() || bench_.document->scene().triangleCount() > 0);
+    });
   }
   void run(double seconds) {
-    const auto end = bench_.report().tick + static_cast<std::uint64_t>(seconds / kTick);
-    until([&] { return bench_.report().tick >= end; });
+    const auto end = bench_.document->report().tick + static_cast<std::uint64_t>(seconds / kTick);
+    until([&] { return bench_.document->report().tick >= end; });
   }
   void openBoth() {
-    bench_.openAll({block("36", {0, 0, 0}), block("35", {6.3, 0, 0})});
+    bench_.sessions->openAll({block("36", {0, 0, 0}), block("35", {6.3, 0, 0})});
     settle();
-    ASSERT_TRUE(bench_.isOpen()) << said();
-    ASSERT_EQ(bench_.neighbours().size(), 1u);
+    ASSERT_TRUE(bench_.document->isOpen()) << said();
+    ASSERT_EQ(bench_.neighbours->list().size(), 1u);
   }
   void drill(double x, double y, double seconds) {
-    ASSERT_TRUE(bench_.press(from(x, y)));
+    ASSERT_TRUE(bench_.strokes->press(from(x, y)));
     run(seconds);
-    bench_.release();
+    bench_.strokes->release();
     run(0.3);
   }
   std::string said() const {
     std::string out;
-    for (const Notice& notice : bench_.notices()) out += notice.text + "\n";
+    for (const Notice& notice : bench_.notices->list()) out += notice.text + "\n";
     return out;
   }
   bool hasSaid(const std::string& text) const { return said().find(text) != std::string::npos; }
@@ -77,29 +89,29 @@ class NeighboursTest : public test::StrokePointerTest {
 
 TEST_F(NeighboursTest, ItIsSeenAndPointedAtButNotWorkedOn) {
   openBoth();
-  EXPECT_EQ(bench_.name(), "36");
-  EXPECT_EQ(bench_.neighbours()[0].name, "35");
-  until([&] { return bench_.scene().shown().size() == 2; });
-  EXPECT_EQ(bench_.scene().pieceCount(), 1u);
-  EXPECT_NEAR(bench_.scene().bounds().max[0], 9.3, 0.1);
+  EXPECT_EQ(bench_.document->name(), "36");
+  EXPECT_EQ(bench_.neighbours->list()[0].name, "35");
+  until([&] { return bench_.document->scene().shown().size() == 2; });
+  EXPECT_EQ(bench_.document->scene().pieceCount(), 1u);
+  EXPECT_NEAR(bench_.document->scene().bounds().max[0], 9.3, 0.1);
 
   const auto point = readoutAt(bench_, from(6, 0));
   ASSERT_TRUE(point);
   EXPECT_EQ(point->piece, "neighbour 35");
   EXPECT_NEAR(point->point[2], 0, 0.05);
-  EXPECT_FALSE(bench_.over(from(6, 0)));
-  EXPECT_FALSE(bench_.press(from(6, 0)));
+  EXPECT_FALSE(bench_.strokes->over(from(6, 0)));
+  EXPECT_FALSE(bench_.strokes->press(from(6, 0)));
   EXPECT_TRUE(hasSaid("35 stands beside and is not there to be cut")) << said();
   EXPECT_TRUE(readoutAt(bench_, from(0, 0))->piece.empty());
 
   // The pointer ignores a ghost. It cannot be moved or renamed either.
-  const SceneObject* const other = bench_.findNeighbour("35");
+  const SceneObject* const other = bench_.neighbours->find("35");
   ASSERT_TRUE(other);
-  bench_.ghostNeighbour(other->id, true);
+  bench_.neighbours->makeGhost(other->id, true);
   EXPECT_FALSE(readoutAt(bench_, from(6, 0)));
-  bench_.movePiece(other->id, {Eigen::Quaterniond::Identity(), {5, 0, 0}});
+  bench_.pieces->move(other->id, {Eigen::Quaterniond::Identity(), {5, 0, 0}});
   run(0.1);
-  EXPECT_EQ(bench_.findNeighbour("35")->pose().translation, Vec3d::Zero());
+  EXPECT_EQ(bench_.neighbours->find("35")->pose().translation, Vec3d::Zero());
   EXPECT_TRUE(hasSaid("not there to be moved")) << said();
   // A script that requests it ends there.
   const std::vector<std::string> words{"5", "0", "0", other->name};
@@ -116,77 +128,77 @@ TEST_F(NeighboursTest, ItIsSeenAndPointedAtButNotWorkedOn) {
     });
     return out;
   };
-  EXPECT_NE(coloursOf(*bench_.scene().shown()[0]), coloursOf(*bench_.scene().shown()[1]));
+  EXPECT_NE(coloursOf(*bench_.document->scene().shown()[0]), coloursOf(*bench_.document->scene().shown()[1]));
 }
 
 TEST_F(NeighboursTest, HowNearTheToolIsAndWhatWasCutByAccidentIsSaid) {
   openBoth();
-  const auto over = bench_.over(from(kBetween, 0));
+  const auto over = bench_.strokes->over(from(kBetween, 0));
   ASSERT_TRUE(over);
-  const auto hovering = bench_.nearNeighbour(over);
+  const auto hovering = bench_.monitor->nearNeighbour(over);
   ASSERT_TRUE(hovering);
   EXPECT_EQ(hovering->name, "35");
   // From a ball on the surface to the neighbour's edge: sqrt(0.4^2 + 0.7^2) - 0.7.
   EXPECT_NEAR(hovering->distance_mm, 0.106, 0.05);
-  EXPECT_TRUE(bench_.nearNeighbour(bench_.over(from(-2, 0)))->is_far);
+  EXPECT_TRUE(bench_.monitor->nearNeighbour(bench_.strokes->over(from(-2, 0)))->is_far);
 
-  ASSERT_TRUE(bench_.press(from(kBetween, 0)));
-  until([&] { return bench_.neighbours()[0].removed_mm3 > 0.01; });
-  EXPECT_LT(bench_.nearNeighbour({})->distance_mm, 0);
+  ASSERT_TRUE(bench_.strokes->press(from(kBetween, 0)));
+  until([&] { return bench_.neighbours->list()[0].removed_mm3 > 0.01; });
+  EXPECT_LT(bench_.monitor->nearNeighbour({})->distance_mm, 0);
   EXPECT_FALSE(hasSaid("you have cut the neighbour")) << "a stroke is not interrupted";
-  bench_.release();
+  bench_.strokes->release();
   run(0.4);
-  const double removed = bench_.neighbours()[0].removed_mm3;
+  const double removed = bench_.neighbours->list()[0].removed_mm3;
   EXPECT_TRUE(hasSaid(fmt::format("you have cut the neighbour 35: {:.4f} mm3", removed))) << said();
   double of_object = 0;
-  for (std::size_t n = 0; n < bench_.report().object_count; ++n)
-    if (bench_.report().objects[n].loaded == 0) of_object += bench_.report().objects[n].removed_mm3;
-  EXPECT_EQ(bench_.removedMm3(), of_object) << "what was cut off a neighbour does not count as work";
+  for (std::size_t n = 0; n < bench_.document->report().object_count; ++n)
+    if (bench_.document->report().objects[n].loaded == 0) of_object += bench_.document->report().objects[n].removed_mm3;
+  EXPECT_EQ(bench_.document->removedMm3(), of_object) << "what was cut off a neighbour does not count as work";
 
-  bench_.undo();
-  until([&] { return bench_.neighbours()[0].removed_mm3 == 0; });
-  EXPECT_EQ(bench_.removedMm3(), 0);
+  bench_.steps->undo();
+  until([&] { return bench_.neighbours->list()[0].removed_mm3 == 0; });
+  EXPECT_EQ(bench_.document->removedMm3(), 0);
 }
 
 TEST_F(NeighboursTest, AStrokeStopsShortOfItWhenAsked) {
   openBoth();
-  bench_.stopShortBeside(0.2);
-  ASSERT_TRUE(bench_.press(from(2.6, 0)));
+  bench_.strokes->stopShortBeside(0.2);
+  ASSERT_TRUE(bench_.strokes->press(from(2.6, 0)));
   double least = 1000;
-  const auto end = bench_.report().tick + 4000;
+  const auto end = bench_.document->report().tick + 4000;
   until([&] {
-    if (const auto near = bench_.nearNeighbour({})) least = std::min(least, near->distance_mm);
-    return bench_.report().tick >= end;
+    if (const auto near = bench_.monitor->nearNeighbour({})) least = std::min(least, near->distance_mm);
+    return bench_.document->report().tick >= end;
   });
   EXPECT_GT(least, 0.12);
   EXPECT_LT(least, 0.28);
-  EXPECT_TRUE(bench_.nearNeighbour({})->is_stopped);
-  bench_.release();
+  EXPECT_TRUE(bench_.monitor->nearNeighbour({})->is_stopped);
+  bench_.strokes->release();
   run(0.2);
-  EXPECT_EQ(bench_.neighbours()[0].removed_mm3, 0);
+  EXPECT_EQ(bench_.neighbours->list()[0].removed_mm3, 0);
 
   // Without it the same stroke reaches its depth, and cuts the neighbour.
-  bench_.stopShortBeside(std::nullopt);
+  bench_.strokes->stopShortBeside(std::nullopt);
   drill(2.6, 0, 4);
-  EXPECT_LT(bench_.nearNeighbour(bench_.over(from(2.6, 0)))->distance_mm, 0.05);
+  EXPECT_LT(bench_.monitor->nearNeighbour(bench_.strokes->over(from(2.6, 0)))->distance_mm, 0.05);
 }
 
 TEST_F(NeighboursTest, BothAreExportedAndTheSessionReplays) {
   openBoth();
   drill(kBetween, 0, 3);
   const fs::path out = folder_.path() / "35-cut.stl";
-  bench_.exportTo(out, {.beside = 1});
+  bench_.results->exportTo(out, {.beside = 1});
   settle();
   EXPECT_TRUE(hasSaid("ready to print")) << said();
   const auto mesh = readMesh(out);
   ASSERT_TRUE(mesh) << mesh.error().message();
   EXPECT_TRUE(checkMesh(mesh->mesh).print_ready);
   EXPECT_GT(bounds(mesh->mesh).min[0], 3.2);
-  bench_.exportTo(folder_.path() / "35.ply", {.beside = 1});
+  bench_.results->exportTo(folder_.path() / "35.ply", {.beside = 1});
   EXPECT_TRUE(hasSaid("never written over")) << said();
 
-  const fs::path session = bench_.sessionFolder();
-  bench_.close();
+  const fs::path session = bench_.document->sessionFolder();
+  bench_.sessions->close();
   settle();
   EXPECT_TRUE(hasSaid("were cut off the neighbour 35: kerf export")) << said();
   const auto replayed = replayRun(session);
@@ -197,49 +209,49 @@ TEST_F(NeighboursTest, BothAreExportedAndTheSessionReplays) {
   EXPECT_EQ(exported->post_op.mesh.triangles.size(), mesh->mesh.triangles.size());
 
   // The run opens with its neighbours.
-  bench_.open(session);
+  bench_.sessions->open(session);
   settle();
-  ASSERT_EQ(bench_.neighbours().size(), 1u) << said();
-  EXPECT_EQ(bench_.neighbours()[0].name, "35");
-  EXPECT_GT(bench_.neighbours()[0].before_mm3, 0.01);
+  ASSERT_EQ(bench_.neighbours->list().size(), 1u) << said();
+  EXPECT_EQ(bench_.neighbours->list()[0].name, "35");
+  EXPECT_GT(bench_.neighbours->list()[0].before_mm3, 0.01);
 }
 
 TEST_F(NeighboursTest, OneIsPlacedBesideWhatIsCutAlreadyAndStaysWithAnotherTool) {
-  bench_.open(block("36", {0, 0, 0}));
+  bench_.sessions->open(block("36", {0, 0, 0}));
   settle();
   drill(-1, 0, 2);
-  const double before = bench_.removedMm3();
+  const double before = bench_.document->removedMm3();
   ASSERT_GT(before, 0.01);
 
-  bench_.openBeside(folder_.write("text.stl", "no mesh"));
+  bench_.neighbours->openBeside(folder_.write("text.stl", "no mesh"));
   settle();
   EXPECT_TRUE(hasSaid("text.stl")) << said();
-  EXPECT_EQ(bench_.removedMm3(), before) << "what is open stays open";
-  bench_.openBeside(block("the same", {0, 0, 0}));
+  EXPECT_EQ(bench_.document->removedMm3(), before) << "what is open stays open";
+  bench_.neighbours->openBeside(block("the same", {0, 0, 0}));
   settle();
   EXPECT_TRUE(hasSaid("two solids in one place")) << said();
 
-  bench_.openBeside(block("35", {6.3, 0, 0}));
+  bench_.neighbours->openBeside(block("35", {6.3, 0, 0}));
   settle();
-  until([&] { return !bench_.job() && bench_.neighbours().size() == 1; });
+  until([&] { return !bench_.jobs->running() && bench_.neighbours->list().size() == 1; });
   run(0.1);
-  EXPECT_EQ(bench_.neighbours()[0].name, "35");
-  EXPECT_NEAR(bench_.removedMm3(), before, 1e-6);
-  EXPECT_EQ(bench_.name(), "36");
+  EXPECT_EQ(bench_.neighbours->list()[0].name, "35");
+  EXPECT_NEAR(bench_.document->removedMm3(), before, 1e-6);
+  EXPECT_EQ(bench_.document->name(), "36");
   drill(kBetween, 0, 3);
-  const double off_other = bench_.neighbours()[0].removed_mm3;
+  const double off_other = bench_.neighbours->list()[0].removed_mm3;
   EXPECT_GT(off_other, 0.01);
 
-  bench_.addTool(*findToolFile("round-010", defaultToolFolders()));
-  until([&] { return !bench_.job() && bench_.toolCount() == 2; });
-  ASSERT_EQ(bench_.neighbours().size(), 1u) << said();
-  EXPECT_NEAR(bench_.neighbours()[0].before_mm3, off_other, 1e-9);
+  bench_.tools->add(*findToolFile("round-010", defaultToolFolders()));
+  until([&] { return !bench_.jobs->running() && bench_.tools->count() == 2; });
+  ASSERT_EQ(bench_.neighbours->list().size(), 1u) << said();
+  EXPECT_NEAR(bench_.neighbours->list()[0].before_mm3, off_other, 1e-9);
 
-  bench_.workOn(1);
-  until([&] { return !bench_.job() && bench_.name() == "35"; });
-  ASSERT_EQ(bench_.neighbours().size(), 1u) << said();
-  EXPECT_EQ(bench_.neighbours()[0].name, "36");
-  EXPECT_TRUE(bench_.over(from(6, 0)));
+  bench_.neighbours->workOn(1);
+  until([&] { return !bench_.jobs->running() && bench_.document->name() == "35"; });
+  ASSERT_EQ(bench_.neighbours->list().size(), 1u) << said();
+  EXPECT_EQ(bench_.neighbours->list()[0].name, "36");
+  EXPECT_TRUE(bench_.strokes->over(from(6, 0)));
 }
 
 TEST_F(NeighboursTest, WhatHardlyFitsTheFrameIsSaid) {
@@ -253,7 +265,7 @@ TEST_F(NeighboursTest, WhatHardlyFitsTheFrameIsSaid) {
                {"inside", {0.5, 0, -0.2}, {4, 3, 2}, 1, "lie inside what is worked on"}};
   const fs::path object = block("36", {0, 0, 0});
   for (const auto& c : cases) {
-    bench_.openAll({object, block(c.name, c.shift, c.size, c.scale)});
+    bench_.sessions->openAll({object, block(c.name, c.shift, c.size, c.scale)});
     settle();
     EXPECT_TRUE(hasSaid(c.expected)) << c.name << ": " << said();
   }
@@ -269,17 +281,17 @@ TEST_F(NeighboursTest, OneJawOfAPairOpensWithTheOtherBeside) {
   const auto baked = bakePair(meshes, *folders, options);
   ASSERT_TRUE(baked) << baked.error().message();
 
-  bench_.open((*folders)[1]);
+  bench_.sessions->open((*folders)[1]);
   settle();
-  ASSERT_EQ(bench_.neighbours().size(), 1u) << said();
-  EXPECT_EQ(bench_.name(), "patient-upper");
-  EXPECT_EQ(bench_.neighbours()[0].name, "patient-lower");
+  ASSERT_EQ(bench_.neighbours->list().size(), 1u) << said();
+  EXPECT_EQ(bench_.document->name(), "patient-upper");
+  EXPECT_EQ(bench_.neighbours->list()[0].name, "patient-lower");
   EXPECT_TRUE(hasSaid("one jaw of a pair")) << said();
 
   // Opened together, each is there once.
-  bench_.openAll({(*folders)[0], (*folders)[1]});
-  until([&] { return !bench_.job() && bench_.name() == "patient-lower"; });
-  EXPECT_EQ(bench_.neighbours().size(), 1u) << said();
+  bench_.sessions->openAll({(*folders)[0], (*folders)[1]});
+  until([&] { return !bench_.jobs->running() && bench_.document->name() == "patient-lower"; });
+  EXPECT_EQ(bench_.neighbours->list().size(), 1u) << said();
 }
 
 TEST_F(NeighboursTest, AScriptOpensLooksCutsAndExports) {
@@ -321,11 +333,11 @@ class RealNeighboursTest : public NeighboursTest {
 TEST_F(RealNeighboursTest, TeethOfOnePatientStandWhereTheScanHasThem) {
   const fs::path molar = data("tooth-19-molar-crown-root.stl"), canine = data("tooth-22-canine-crown-root.stl");
   if (!fs::exists(molar)) GTEST_SKIP() << "no data: " << molar << " (set KERF_DATA)";
-  bench_.openAll({molar, canine});
+  bench_.sessions->openAll({molar, canine});
   settle();
-  ASSERT_EQ(bench_.neighbours().size(), 1u) << said();
+  ASSERT_EQ(bench_.neighbours->list().size(), 1u) << said();
   EXPECT_FALSE(hasSaid("hardly in one frame") || hasSaid("another unit")) << said();
-  const auto shown = bench_.scene().shown();
+  const auto shown = bench_.document->scene().shown();
   ASSERT_EQ(shown.size(), 2u);
   const Vec3d apart = shown[0]->surface.bounds().center() - shown[1]->surface.bounds().center();
   EXPECT_GT(apart.norm(), 10) << "where the scan has them";
@@ -342,9 +354,9 @@ TEST_F(RealNeighboursTest, APairOfJawsOpensAsOneToWorkOnAndTheOtherBeside) {
   const auto baked = bakePair(meshes, *folders, options);
   ASSERT_TRUE(baked) << baked.error().message();
 
-  bench_.open((*folders)[0]);
+  bench_.sessions->open((*folders)[0]);
   settle();
-  ASSERT_EQ(bench_.neighbours().size(), 1u) << said();
+  ASSERT_EQ(bench_.neighbours->list().size(), 1u) << said();
   EXPECT_TRUE(hasSaid("one jaw of a pair")) << said();
 }
 

@@ -12,7 +12,10 @@
 #include "tests/support/open_block.h"
 #include "tests/support/temporary_folder.h"
 #include "ui/app/commands/app_commands.h"
+#include "ui/app/document/document.h"
+#include "ui/app/document/jobs.h"
 #include "ui/app/script/app_script.h"
+#include "ui/app/workbench/sessions.h"
 
 namespace kerf::piece_colours_test {
 namespace {
@@ -25,10 +28,10 @@ class PieceColoursTest : public testing::Test {
   struct Bench {
     explicit Bench(const TemporaryFolder& folder) : folder_(folder), bench(options(folder)) {}
     ~Bench() {
-      bench.cancelJob();
-      while (bench.job()) bench.update();
-      bench.close();
-      while (bench.job()) bench.update();
+      bench.jobs->cancel();
+      while (bench.jobs->running()) bench.update();
+      bench.sessions->close();
+      while (bench.jobs->running()) bench.update();
     }
     static WorkbenchOptions options(const TemporaryFolder& folder) {
       WorkbenchOptions out;
@@ -47,15 +50,15 @@ class PieceColoursTest : public testing::Test {
     // Pieces arrive with a delay.
     void waitForPieces(std::size_t count) {
       const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(2);
-      while (bench.scene().pieceCount() != count && std::chrono::steady_clock::now() < end) {
+      while (bench.document->scene().pieceCount() != count && std::chrono::steady_clock::now() < end) {
         std::this_thread::sleep_for(std::chrono::milliseconds(2));
         bench.update();
       }
-      ASSERT_EQ(bench.scene().pieceCount(), count);
+      ASSERT_EQ(bench.document->scene().pieceCount(), count);
     }
     std::map<std::string, std::string> colours() const {
       std::map<std::string, std::string> out;
-      for (const SceneObject* piece : bench.scene().shown()) out[piece->name] = piece->colour;
+      for (const SceneObject* piece : bench.document->scene().shown()) out[piece->name] = piece->colour;
       return out;
     }
 
@@ -92,7 +95,7 @@ TEST_F(PieceColoursTest, TheyAreKeptWithTheRunAndComeBackWithIt) {
     const auto refused = now.run("piece.colour pink\n");
     ASSERT_FALSE(refused);
     EXPECT_NE(refused.error().message().find("orange, sky, green"), std::string::npos) << refused.error().message();
-    first = now.bench.sessionFolder();
+    first = now.bench.document->sessionFolder();
   }
   const auto manifest = readRunManifest(first);
   ASSERT_TRUE(manifest) << manifest.error().message();
@@ -115,7 +118,7 @@ TEST_F(PieceColoursTest, ThatOfAnObjectInOnePieceComesBack) {
     now.mustRun("file.open \"" + bar_.string() +
                 "\"\nwait\nview.fit\npiece.choose 1\npiece.colour sky\ncut.force 2\ncut.depth 0.2\ncut.press 200 150\n"
                 "wait 1\ncut.release\nwait 0.5\nexpect pieces 1 1\n");
-    first = now.bench.sessionFolder();
+    first = now.bench.document->sessionFolder();
   }
   ASSERT_TRUE(readRunManifest(first)->pieces.empty());
 
@@ -133,7 +136,7 @@ TEST_F(PieceColoursTest, ASessionWhoseProgramIsGoneKeepsThem) {
     Bench now(folder_);
     ASSERT_NO_FATAL_FAILURE(cutThrough(now));
     now.mustRun("piece.choose 2\npiece.colour green\n");
-    run = now.bench.sessionFolder();
+    run = now.bench.document->sessionFolder();
   }
   // As left by a killed program: the log, and the files beside it.
   auto manifest = readRunManifest(run);

@@ -11,9 +11,13 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/ui/picture_compare.h"
 #include "ui/app/commands/app_commands.h"
+#include "ui/app/document/document.h"
+#include "ui/app/document/jobs.h"
+#include "ui/app/document/view_state.h"
 #include "ui/app/script/app_script.h"
 #include "ui/app/view/piece_colours.h"
 #include "ui/app/view/tissue_display.h"
+#include "ui/app/workbench/sessions.h"
 #include "ui/window/draw/live_view.h"
 #include "ui/window/gl/gl_context.h"
 
@@ -71,10 +75,10 @@ TEST(PiecePicture, TwoPiecesHaveTwoHues) {
       "\"\nwait\nview.fit\ncut.force 3\ncut.depth 2.2\ncut.press 200 150\nwait 5\ncut.release\nwait 1\n");
   // Pieces arrive with a delay.
   const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(2);
-  while (bench.scene().pieceCount() != 2 && std::chrono::steady_clock::now() < end) frame();
-  ASSERT_EQ(bench.scene().pieceCount(), 2u);
+  while (bench.document->scene().pieceCount() != 2 && std::chrono::steady_clock::now() < end) frame();
+  ASSERT_EQ(bench.document->scene().pieceCount(), 2u);
   // The disc stands in the gap between the pieces.
-  const bool is_first_left = bench.scene().shown()[0]->surface.bounds().center()[0] < 0;
+  const bool is_first_left = bench.document->scene().shown()[0]->surface.bounds().center()[0] < 0;
   const Hues before = huesOf(picture(), true), before_right = huesOf(picture(), false);
   run("piece.choose 1\npiece.colour blue\npiece.choose 2\npiece.colour vermilion\n");
   const Image coloured = picture();
@@ -86,15 +90,15 @@ TEST(PiecePicture, TwoPiecesHaveTwoHues) {
 
   // A map shows values and has no other hue.
   run("view.colours depth\nwait\n");
-  while (bench.tissues().isBusy()) frame();
+  while (bench.views->tissues().isBusy()) frame();
   const Image map = picture();
   run("piece.colour none\npiece.choose 1\npiece.colour none\n");
   EXPECT_LT(test::pictureDifference(map, picture()), 0.5);
   run("view.colours tissue\n");
   EXPECT_LT(huesOf(picture(), is_first_left).blue, before.blue + before_right.blue + 300);
 
-  bench.close();
-  while (bench.job()) bench.update();
+  bench.sessions->close();
+  while (bench.jobs->running()) bench.update();
 }
 
 // View of a person without the red or the green cones: Vienot, Brettel & Mollon, Color Res Appl 1999;24:243.

@@ -14,8 +14,13 @@
 #include "tests/support/temporary_folder.h"
 #include "ui/app/commands/app_commands.h"
 #include "ui/app/commands/pointing.h"
+#include "ui/app/document/document.h"
+#include "ui/app/document/jobs.h"
 #include "ui/app/saw/saw_contour.h"
 #include "ui/app/script/app_script.h"
+#include "ui/app/workbench/sessions.h"
+#include "ui/app/workbench/strokes.h"
+#include "ui/app/workbench/tools.h"
 #include "ui/app/workbench/workbench.h"
 
 namespace kerf::sawing_test {
@@ -44,9 +49,9 @@ class SawingTest : public testing::Test {
     options.voxel_mm = 0.1;
     options.real_time = {.priority = 0, .lock_memory = false};
     bench_ = std::make_unique<Workbench>(options);
-    bench_->open(scan_);
+    bench_->sessions->open(scan_);
     work();
-    ASSERT_TRUE(bench_->isOpen()) << allNotices();
+    ASSERT_TRUE(bench_->document->isOpen()) << allNotices();
     camera_.half_height = 7.5;
     camera_.target = {0, 0, -2};
   }
@@ -54,13 +59,13 @@ class SawingTest : public testing::Test {
 
   void end() {
     if (!bench_) return;
-    session_ = bench_->sessionFolder();
-    bench_->close();
+    session_ = bench_->document->sessionFolder();
+    bench_->sessions->close();
     work();
   }
   void work() {
     do bench_->update();
-    while (bench_->job() || (bench_->isOpen() && bench_->scene().triangleCount() == 0));
+    while (bench_->jobs->running() || (bench_->document->isOpen() && bench_->document->scene().triangleCount() == 0));
   }
   Expected<void> play(const std::string& script) {
     AppContext context{.bench = *bench_, .camera = camera_, .width = 400, .height = 300};
@@ -68,7 +73,7 @@ class SawingTest : public testing::Test {
   }
   std::string allNotices() const {
     std::string out;
-    for (const Notice& notice : bench_->notices()) out += notice.text + "\n";
+    for (const Notice& notice : bench_->notices->list()) out += notice.text + "\n";
     return out;
   }
   void lookFromInFront() {
@@ -84,7 +89,7 @@ class SawingTest : public testing::Test {
     const Vec3d v = camera_.rotation() * (p - camera_.target) / camera_.mmPerPixel(300);
     return rayUnder(camera_, 200 + v[0], 150 - v[1], 400, 300);
   }
-  const SawPlane& plane() const { return *bench_->saw().plan().chosen(); }
+  const SawPlane& plane() const { return *bench_->saw->plan().chosen(); }
 
   TemporaryFolder folder_;
   fs::path scan_, session_;
@@ -137,7 +142,7 @@ TEST_F(SawingTest, EveryWayOfPlanningMakesAPlaneOfTheBar) {
 
   ASSERT_TRUE(play("saw.plane 3 0 -2 1 0 0\n"));
   EXPECT_NEAR(plane().point[0], 3, 1e-9);
-  EXPECT_EQ(bench_->saw().plan().planes().size(), 6u);
+  EXPECT_EQ(bench_->saw->plan().planes().size(), 6u);
 }
 
 TEST_F(SawingTest, TheContourOfAPlaneIsWhereItMeetsTheBarWithinItsRectangle) {
@@ -145,7 +150,7 @@ TEST_F(SawingTest, TheContourOfAPlaneIsWhereItMeetsTheBarWithinItsRectangle) {
   SawPlane cut = plane();
   const auto lengthOf = [&] {
     double length = 0;
-    for (const auto& piece : contourOf(cut, bench_->scene())) {
+    for (const auto& piece : contourOf(cut, bench_->document->scene())) {
       length += (piece[1] - piece[0]).norm();
       for (const Vec3d& p : piece) {
         const Vec3d at = cut.toPlane(p);
@@ -170,14 +175,14 @@ TEST_F(SawingTest, StepsNamesAndFiles) {
   const Vec3d normal = plane().normal;
   ASSERT_TRUE(play("saw.plane -3 0 -2 1 0 0\nsaw.save \"" + file +
                    "\"\nsaw.choose distal\nsaw.delete\nsaw.delete\nsaw.load \"" + file + "\"\nsaw.choose distal\n"));
-  EXPECT_EQ(bench_->saw().plan().planes().size(), 2u);
+  EXPECT_EQ(bench_->saw->plan().planes().size(), 2u);
   EXPECT_EQ(plane().normal, normal);
   ASSERT_TRUE(play("saw.fit\n"));
   EXPECT_NEAR(plane().depth, 5.5, 0.4);
 }
 
 TEST_F(SawingTest, ByMouseThreeClicksOrALineMakeAPlane) {
-  Sawing& saw = bench_->saw();
+  Sawing& saw = *bench_->saw;
   const auto at = [&](double x, double y) { return rayUnder(camera_, x, y, 400, 300); };
   saw.picking.begin(SawPicking::What::kLine);
   EXPECT_NE(saw.picking.hint().find("Esc"), std::string::npos);
@@ -225,7 +230,7 @@ TEST_F(SawingTest, WhatCannotBePlannedOrSawnIsSaidWithWhatToDo) {
     ASSERT_FALSE(played) << script;
     EXPECT_NE(played.error().message().find(words), std::string::npos) << script << ": " << played.error().message();
   }
-  EXPECT_EQ(bench_->removedMm3(), 0);
+  EXPECT_EQ(bench_->document->removedMm3(), 0);
 }
 
 // ---- Sawing
@@ -251,7 +256,7 @@ TEST_F(SawingTest, ABarIsSawnThroughInThePlaneAndReplaysBitForBit) {
   EXPECT_EQ(report.pieces, 2u) << "sawn right through";
 
   // The walls of the kerf lie in the plane, as far apart as the blade's teeth.
-  const double kerf = bench_->tool(bench_->toolInHand()).kerfWidth();
+  const double kerf = bench_->tools->at(bench_->tools->inHand()).kerfWidth();
   double worst = 0, area = 0;
   for (const Triangle& t : mesh->mesh.triangles) {
     const Vec3d& a = mesh->mesh.vertices[t[0]];
@@ -279,10 +284,10 @@ TEST_F(SawingTest, ABarIsSawnThroughInThePlaneAndReplaysBitForBit) {
 TEST_F(SawingTest, StoppedItLeavesAUsableSessionAndOneStroke) {
   const auto played = play("tool.select saw-reciprocating-25\nsaw.plane 0 0 -2 1 0 0\nsaw.cut\nwait 2.5\n");
   ASSERT_TRUE(played) << played.error().message();
-  ASSERT_TRUE(bench_->saw().isCutting());
+  ASSERT_TRUE(bench_->saw->isCutting());
   EXPECT_FALSE(play("saw.cut\n")) << "one at a time";
-  EXPECT_FALSE(bench_->press(rayUnder(camera_, 300, 150, 400, 300))) << "the tool is in use";
-  const auto status = bench_->saw().status();
+  EXPECT_FALSE(bench_->strokes->press(rayUnder(camera_, 300, 150, 400, 300))) << "the tool is in use";
+  const auto status = bench_->saw->status();
   ASSERT_TRUE(status);
   EXPECT_GT(status->share, 0.02);
   EXPECT_LT(status->share, 0.9);
@@ -299,17 +304,17 @@ TEST_F(SawingTest, StoppedItLeavesAUsableSessionAndOneStroke) {
 TEST_F(SawingTest, UndoneWhileItSawsTheBladeComesOutFirst) {
   const auto played = play("tool.select saw-reciprocating-25\nsaw.plane 0 0 -2 1 0 0\nsaw.cut\nwait 2.5\nedit.undo\n");
   ASSERT_TRUE(played) << played.error().message();
-  EXPECT_TRUE(bench_->saw().isCutting());
+  EXPECT_TRUE(bench_->saw->isCutting());
   EXPECT_FALSE(play("tool.select round-014\n")) << "a bur in the place of the blade would stand in the bone";
-  EXPECT_EQ(bench_->tool(bench_->toolInHand()).id, "saw-reciprocating-25");
-  for (int n = 0; n < 400 && bench_->saw().isCutting(); ++n) {
+  EXPECT_EQ(bench_->tools->at(bench_->tools->inHand()).id, "saw-reciprocating-25");
+  for (int n = 0; n < 400 && bench_->saw->isCutting(); ++n) {
     bench_->update();
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
-  const std::size_t before = bench_->report().tick;
-  while (bench_->report().tick < before + 300) bench_->update();
-  EXPECT_NEAR(bench_->removedMm3(), 0, 1e-9);
-  EXPECT_FALSE(bench_->saw().isCutting());
+  const std::size_t before = bench_->document->report().tick;
+  while (bench_->document->report().tick < before + 300) bench_->update();
+  EXPECT_NEAR(bench_->document->removedMm3(), 0, 1e-9);
+  EXPECT_FALSE(bench_->saw->isCutting());
 }
 
 TEST_F(SawingTest, WhatTheBladeDoesNotReachIsSaid) {
@@ -324,9 +329,9 @@ TEST_F(SawingTest, AShortBladeSweeps) {
   const auto played = play("saw.line 30 150 370 150\nsaw.depth 1.2\nsaw.cut 8\nwait\nexpect sawn 80 100\n");
   ASSERT_TRUE(played) << played.error().message() << allNotices();
   // A slot 16 x 0.7 mm: teeth on an arc leave part of its floor, and wander a little before the kerf guides them.
-  const double slot = 16 * 0.7 * bench_->tool(0).kerfWidth();
-  EXPECT_GE(bench_->removedMm3(), 0.85 * slot);
-  EXPECT_LE(bench_->removedMm3(), 1.4 * slot);
+  const double slot = 16 * 0.7 * bench_->tools->at(0).kerfWidth();
+  EXPECT_GE(bench_->document->removedMm3(), 0.85 * slot);
+  EXPECT_LE(bench_->document->removedMm3(), 1.4 * slot);
 }
 
 TEST_F(SawingTest, AlongTheGuideTheMouseMovesTheBladeInThePlaneAlone) {
@@ -335,15 +340,16 @@ TEST_F(SawingTest, AlongTheGuideTheMouseMovesTheBladeInThePlaneAlone) {
       "cut.drag 260 130\nwait 2\ncut.drag 150 170\nwait 2\nexpect depth 0.9 1.05\ncut.release\nwait 0.5\n"
       "expect removed 0.3 5\n");
   ASSERT_TRUE(played) << played.error().message() << allNotices();
-  const double half = 0.5 * bench_->tool(bench_->toolInHand()).kerfWidth(), voxel = 0.1;
+  const double half = 0.5 * bench_->tools->at(bench_->tools->inHand()).kerfWidth(), voxel = 0.1;
   double widest = 0;
   for (double x = -2; x < 3; x += 0.01)
     for (double y = -2; y <= 2; y += 0.25) {
-      const auto top = bench_->scene().hit({{x, y, 5}, -Vec3d::UnitZ()});
+      const auto top = bench_->document->scene().hit({{x, y, 5}, -Vec3d::UnitZ()});
       if (top && top->on_surface.point[2] < -0.3) widest = std::max(widest, std::abs(x - 0.5));
     }
   EXPECT_NEAR(widest, half, 0.5 * voxel) << "mm beside the plane";
-  EXPECT_FALSE(bench_->over(rayUnder(camera_, 390, 150, 400, 300))) << "far beside the plane there is nothing to saw";
+  EXPECT_FALSE(bench_->strokes->over(rayUnder(camera_, 390, 150, 400, 300)))
+      << "far beside the plane there is nothing to saw";
 }
 
 }  // namespace

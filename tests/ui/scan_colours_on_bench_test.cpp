@@ -4,7 +4,10 @@
 #include "sim/live/scan_colours.h"
 #include "tests/ui/block_on_bench.h"
 #include "ui/app/commands/app_commands.h"
+#include "ui/app/document/document.h"
+#include "ui/app/document/view_state.h"
 #include "ui/app/view/tissue_display.h"
+#include "ui/app/workbench/strokes.h"
 
 namespace kerf::scan_colours_on_bench_test {
 namespace {
@@ -25,9 +28,9 @@ class ColouredBlock : public test::OnABlock {
   };
   Shown shownAt(const std::function<bool(const Vec3d&)>& is_wanted) const {
     Shown out;
-    for (const SceneObject* object : bench_.scene().shown())
+    for (const SceneObject* object : bench_.document->scene().shown())
       object->surface.forEachChunk([&](const MeshChunk& chunk) {
-        const std::vector<Rgba8> colours = bench_.tissues().coloursOf(chunk);
+        const std::vector<Rgba8> colours = bench_.views->tissues().coloursOf(chunk);
         ASSERT_EQ(colours.size(), chunk.vertices.size());
         for (std::size_t v = 0; v < colours.size(); ++v) {
           const Vec3d p = chunk.vertices[v].cast<double>();
@@ -48,14 +51,14 @@ class ColouredBlock : public test::OnABlock {
 };
 
 TEST_F(ColouredBlock, ItIsShownAsItWasScannedAndTheFloorOfACutAsItsTissue) {
-  EXPECT_EQ(bench_.tissues().colours(), SurfaceColours::kScan);
+  EXPECT_EQ(bench_.views->tissues().colours(), SurfaceColours::kScan);
   const Shown before = shownAt(isOnTop);
   EXPECT_GT(before.count, 500);
   EXPECT_EQ(before.as_scanned, before.count);
 
-  ASSERT_TRUE(bench_.press(pointedRay(context_, std::vector<std::string>{"200", "150"}).value()));
+  ASSERT_TRUE(bench_.strokes->press(pointedRay(context_, std::vector<std::string>{"200", "150"}).value()));
   runToDepth();
-  bench_.release();
+  bench_.strokes->release();
   run(0.3);
   const auto isFloor = [](const Vec3d& p) { return p[2] < -0.3 && p[2] > -1.5 && p.head<2>().norm() < 1; };
   const Shown floor = shownAt(isFloor);
@@ -67,21 +70,21 @@ TEST_F(ColouredBlock, ItIsShownAsItWasScannedAndTheFloorOfACutAsItsTissue) {
 }
 
 TEST_F(ColouredBlock, TissuesAndTheScanAreShownByChoice) {
-  const std::uint64_t version = bench_.tissues().coloursVersion();
+  const std::uint64_t version = bench_.views->tissues().coloursVersion();
   ASSERT_TRUE(runAppCommand(context_, "view.colours", std::vector<std::string>{"tissue"}));
   EXPECT_EQ(shownAt(isOnTop).as_scanned, 0);
-  EXPECT_GT(bench_.tissues().coloursVersion(), version) << "what is shown is coloured anew";
+  EXPECT_GT(bench_.views->tissues().coloursVersion(), version) << "what is shown is coloured anew";
   ASSERT_TRUE(runAppCommand(context_, "view.colours-scan"));
   EXPECT_EQ(shownAt(isOnTop).as_scanned, shownAt(isOnTop).count);
 }
 
 using PlainBlock = test::OnABlock;
 TEST_F(PlainBlock, AScanWithoutColoursIsShownByItsTissueAndHasNoOtherChoice) {
-  EXPECT_EQ(bench_.tissues().colours(), SurfaceColours::kTissue);
+  EXPECT_EQ(bench_.views->tissues().colours(), SurfaceColours::kTissue);
   const auto refused = runAppCommand(context_, "view.colours", std::vector<std::string>{"scan"});
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, Error::Code::kUnsupported);
-  EXPECT_EQ(bench_.tissues().colours(), SurfaceColours::kTissue);
+  EXPECT_EQ(bench_.views->tissues().colours(), SurfaceColours::kTissue);
 }
 
 }  // namespace

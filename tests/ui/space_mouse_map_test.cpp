@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "tests/ui/block_on_bench.h"
+#include "ui/app/document/document.h"
+#include "ui/app/workbench/strokes.h"
 
 namespace kerf::space_mouse_map_test {
 namespace {
@@ -70,39 +72,39 @@ TEST(SpaceMouseMap, LeadingNothingItLeadsNothingAndASlowFrameMakesNoLeap) {
 class SpaceMouseOnABlock : public OnABlock {
  protected:
   void play(const std::optional<SpaceMouseState>& state, double seconds) {
-    const auto end = bench_.report().tick + static_cast<std::uint64_t>(seconds / kTick);
+    const auto end = bench_.document->report().tick + static_cast<std::uint64_t>(seconds / kTick);
     until([&] {
       hand_.update(context_, pointer_, kTool, state, 0.002);
-      return bench_.report().tick >= end;
+      return bench_.document->report().tick >= end;
     });
   }
   SpaceMouseHand hand_;
 };
 
 TEST_F(SpaceMouseOnABlock, PressedItDrillsLedItMovesAndButtonTwoTakesItBack) {
-  bench_.setForce(Workbench::kLeastForce);
+  bench_.strokes->setForce(Strokes::kLeastForce);
   pointer_.move(context_, {200, 150}, {});
   play(SpaceMouseState{{0, 0, -1, 0, 0, 0}}, 2);
-  ASSERT_TRUE(bench_.isPressed());
-  EXPECT_GT(bench_.removedMm3(), 0);
+  ASSERT_TRUE(bench_.strokes->isPressed());
+  EXPECT_GT(bench_.document->removedMm3(), 0);
 
-  const Vec3d began = bench_.strokePointer();
+  const Vec3d began = bench_.strokes->pointer();
   hand_.update(context_, pointer_, kTool, SpaceMouseState{{0, 1, -1, 0, 0, 0}}, 0.05);
-  EXPECT_GT((bench_.strokePointer() - began).dot(context_.camera.up()), 0.01) << "pushed away: up in the picture";
+  EXPECT_GT((bench_.strokes->pointer() - began).dot(context_.camera.up()), 0.01) << "pushed away: up in the picture";
 
   play(SpaceMouseState{}, 0.05);
-  EXPECT_FALSE(bench_.isPressed());
+  EXPECT_FALSE(bench_.strokes->isPressed());
   play(SpaceMouseState{{}, 2}, 0.5);
-  EXPECT_NEAR(bench_.removedMm3(), 0, 1e-9);
+  EXPECT_NEAR(bench_.document->removedMm3(), 0, 1e-9);
 }
 
 TEST_F(SpaceMouseOnABlock, UnpluggedWhileItDrillsItEndsTheStrokeAndLosesNothing) {
   pointer_.move(context_, {200, 150}, {});
   play(SpaceMouseState{{0, 0, -1, 0, 0, 0}}, 1);
-  ASSERT_TRUE(bench_.isPressed());
+  ASSERT_TRUE(bench_.strokes->isPressed());
   play({}, 0.05);
-  EXPECT_FALSE(bench_.isPressed());
-  EXPECT_GT(bench_.removedMm3(), 0);
+  EXPECT_FALSE(bench_.strokes->isPressed());
+  EXPECT_GT(bench_.document->removedMm3(), 0);
 }
 
 }  // namespace

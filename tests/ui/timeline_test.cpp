@@ -12,8 +12,15 @@
 #include "sim/run/report/replay.h"
 #include "tests/support/open_block.h"
 #include "tests/support/temporary_folder.h"
+#include "ui/app/document/document.h"
+#include "ui/app/document/file_history.h"
+#include "ui/app/document/jobs.h"
 #include "ui/app/script/app_script.h"
 #include "ui/app/workbench/sawing.h"
+#include "ui/app/workbench/scene_pieces.h"
+#include "ui/app/workbench/sessions.h"
+#include "ui/app/workbench/steps.h"
+#include "ui/app/workbench/tool_monitor.h"
 
 namespace kerf::timeline_test {
 namespace {
@@ -205,9 +212,9 @@ class TimelineTest : public testing::Test {
   void stroke(int x) { run("cut.press " + std::to_string(x) + " 150\nwait 1\ncut.release\nwait 0.2\n"); }
   void goTo(std::size_t step) { run("edit.go " + std::to_string(step) + "\nwait 0.3\n"); }
   fs::path end() {
-    bench_->close();
-    while (bench_->job()) bench_->update();
-    return bench_->sessionFolder();
+    bench_->sessions->close();
+    while (bench_->jobs->running()) bench_->update();
+    return bench_->document->sessionFolder();
   }
 
   TemporaryFolder folder_;
@@ -220,30 +227,30 @@ TEST_F(TimelineTest, GoesBackAndForwardAndBranchesAndTheLogReplays) {
   std::vector<double> removed{0};
   for (const int x : {150, 180, 210, 240}) {
     stroke(x);
-    removed.push_back(bench_->removedMm3());
+    removed.push_back(bench_->document->removedMm3());
     ASSERT_GT(removed.back(), removed[removed.size() - 2]);
   }
   run("expect steps 4 4\nexpect ahead 0 0\n");
   for (std::size_t n = 0; n < 4; ++n)
-    EXPECT_NEAR(bench_->timeline().steps()[n].removed_mm3, removed[n + 1] - removed[n], 1e-9);
+    EXPECT_NEAR(bench_->steps->timeline().steps()[n].removed_mm3, removed[n + 1] - removed[n], 1e-9);
 
   for (const std::size_t step : {1u, 3u, 0u, 4u, 2u}) {
     goTo(step);
-    EXPECT_NEAR(bench_->removedMm3(), removed[step], 1e-9) << step;
-    EXPECT_EQ(bench_->timeline().done(), step);
+    EXPECT_NEAR(bench_->document->removedMm3(), removed[step], 1e-9) << step;
+    EXPECT_EQ(bench_->steps->timeline().done(), step);
   }
   run("edit.begin\nwait 0.3\nexpect steps 0 0\nexpect ahead 4 4\nedit.end\nwait 0.3\nexpect steps 4 4\n");
-  EXPECT_NEAR(bench_->removedMm3(), removed[4], 1e-9);
+  EXPECT_NEAR(bench_->document->removedMm3(), removed[4], 1e-9);
 
   // Another stroke from the second step replaces the two steps ahead of it.
   run("tool.select round-010\nedit.go 2\nwait 0.3\nexpect branches 0 0\n");
   stroke(260);
   run("expect steps 3 3\nexpect ahead 0 0\nexpect branches 1 1\n");
-  EXPECT_EQ(bench_->timeline().steps()[2].tool, 1u);
+  EXPECT_EQ(bench_->steps->timeline().steps()[2].tool, 1u);
   EXPECT_NE(refusalOf("edit.go 4\n").find("0 to 3"), std::string::npos);
   EXPECT_NE(refusalOf("edit.go 1.5\n").find("whole"), std::string::npos);
 
-  const double at_the_end = bench_->removedMm3();
+  const double at_the_end = bench_->document->removedMm3();
   const auto replayed = replayRun(end());
   ASSERT_TRUE(replayed) << replayed.error().message();
   EXPECT_TRUE(replayed->is_same && replayed->is_whole) << replayed->note;
@@ -254,20 +261,21 @@ TEST_F(TimelineTest, ABranchIsGoneOnWithAndTheLineThatWasLeftIsOneThen) {
   std::vector<double> removed{0};
   for (const int x : {150, 180, 210}) {
     stroke(x);
-    removed.push_back(bench_->removedMm3());
+    removed.push_back(bench_->document->removedMm3());
   }
   goTo(1);
   stroke(260);
-  const double other = bench_->removedMm3();
+  const double other = bench_->document->removedMm3();
   ASSERT_GT(std::abs(other - removed[3]), 1e-3);
-  ASSERT_EQ(bench_->branchCount(), 1u);
-  EXPECT_NE(bench_->branches()[0].text.find("from step 1: 2 steps"), std::string::npos) << bench_->branches()[0].text;
+  ASSERT_EQ(bench_->steps->branchCount(), 1u);
+  EXPECT_NE(bench_->steps->branches()[0].text.find("from step 1: 2 steps"), std::string::npos)
+      << bench_->steps->branches()[0].text;
   EXPECT_NE(refusalOf("edit.branch 2\n").find("1 to 1"), std::string::npos);
-  const fs::path left = bench_->sessionFolder();
+  const fs::path left = bench_->document->sessionFolder();
 
   run("edit.branch 1\nwait\nexpect steps 0 0\nexpect branches 1 1\n");
-  EXPECT_NEAR(bench_->removedMm3(), removed[3], 1e-6);
-  EXPECT_NE(bench_->sessionFolder(), left);
+  EXPECT_NEAR(bench_->document->removedMm3(), removed[3], 1e-6);
+  EXPECT_NE(bench_->document->sessionFolder(), left);
   const auto of_left = replayRun(left);
   ASSERT_TRUE(of_left) << of_left.error().message();
   EXPECT_TRUE(of_left->is_same && of_left->is_whole) << of_left->note;
@@ -275,14 +283,14 @@ TEST_F(TimelineTest, ABranchIsGoneOnWithAndTheLineThatWasLeftIsOneThen) {
 
   // To and fro: only a session with a stroke is kept.
   run("edit.branch\nwait\nexpect branches 1 1\n");
-  EXPECT_NEAR(bench_->removedMm3(), other, 1e-6);
+  EXPECT_NEAR(bench_->document->removedMm3(), other, 1e-6);
   run("edit.branch\nwait\nexpect branches 1 1\n");
-  EXPECT_NEAR(bench_->removedMm3(), removed[3], 1e-6);
+  EXPECT_NEAR(bench_->document->removedMm3(), removed[3], 1e-6);
   stroke(240);
-  const double more = bench_->removedMm3();
+  const double more = bench_->document->removedMm3();
   ASSERT_GT(more, removed[3] + 1e-3);
   run("edit.branch 1\nwait\nexpect branches 1 1\nedit.branch 1\nwait\nexpect steps 0 0\n");
-  EXPECT_NEAR(bench_->removedMm3(), more, 1e-6);
+  EXPECT_NEAR(bench_->document->removedMm3(), more, 1e-6);
 
   stroke(150);
   const fs::path last = end();
@@ -296,18 +304,18 @@ TEST_F(TimelineTest, ABranchIsGoneOnWithAndTheLineThatWasLeftIsOneThen) {
 // The log of an empty session is deleted, but not its undone strokes.
 TEST_F(TimelineTest, WhatWasTakenBackIsKeptOfASessionInWhichNothingIsLeft) {
   stroke(150);
-  const double first = bench_->removedMm3();
+  const double first = bench_->document->removedMm3();
   goTo(0);
   stroke(210);
   stroke(240);
-  const double second = bench_->removedMm3();
+  const double second = bench_->document->removedMm3();
   goTo(0);
-  const fs::path empty = bench_->sessionFolder();
+  const fs::path empty = bench_->document->sessionFolder();
   run("edit.branch 1\nwait\nexpect branches 1 1\n");
-  EXPECT_NEAR(bench_->removedMm3(), first, 1e-6);
+  EXPECT_NEAR(bench_->document->removedMm3(), first, 1e-6);
   EXPECT_FALSE(fs::exists(empty));
   run("edit.branch 1\nwait\nexpect branches 1 1\n");
-  EXPECT_NEAR(bench_->removedMm3(), second, 1e-6);
+  EXPECT_NEAR(bench_->document->removedMm3(), second, 1e-6);
 
   // The same at the end of the session.
   stroke(150);
@@ -316,7 +324,7 @@ TEST_F(TimelineTest, WhatWasTakenBackIsKeptOfASessionInWhichNothingIsLeft) {
   goTo(0);
   const fs::path gone = end();
   EXPECT_FALSE(fs::exists(gone));
-  const std::string told = bench_->notices().back().text;
+  const std::string told = bench_->notices->list().back().text;
   ASSERT_NE(told.find("is kept:\n"), std::string::npos) << told;
   const fs::path kept = told.substr(told.rfind('\n') + 1);
   const auto replayed = replayRun(kept);
@@ -328,29 +336,29 @@ TEST_F(TimelineTest, WhatWasTakenBackIsKeptOfASessionInWhichNothingIsLeft) {
 // The folder as left by a killed program.
 TEST_F(TimelineTest, WhatWasTakenBackIsKeptOfALostSessionInWhichNothingIsLeft) {
   stroke(150);
-  const double first = bench_->removedMm3();
+  const double first = bench_->document->removedMm3();
   goTo(0);
   stroke(210);
-  const double second = bench_->removedMm3();
+  const double second = bench_->document->removedMm3();
   goTo(0);
   run("wait 3\n");  // until the log is on the disk
   const fs::path sessions = folder_.path() / "data" / "sessions", lost = sessions / "lost.run";
-  fs::copy(bench_->sessionFolder(), lost, fs::copy_options::recursive);
+  fs::copy(bench_->document->sessionFolder(), lost, fs::copy_options::recursive);
   end();
 
   WorkbenchOptions options;
   options.data_folder = folder_.path() / "data";
   options.tools = {"round-014"};
   Workbench next(options);
-  ASSERT_EQ(next.lostSessions().size(), 1u);
-  next.recover(0);
-  while (next.job()) next.update();
+  ASSERT_EQ(next.history->lostSessions().size(), 1u);
+  next.history->recover(0);
+  while (next.jobs->running()) next.update();
   EXPECT_FALSE(fs::exists(lost));
-  EXPECT_TRUE(next.lostSessions().empty());
-  EXPECT_NE(next.notices().back().text.find("is kept:\n"), std::string::npos) << next.notices().back().text;
+  EXPECT_TRUE(next.history->lostSessions().empty());
+  EXPECT_NE(next.notices->list().back().text.find("is kept:\n"), std::string::npos) << next.notices->list().back().text;
   std::vector<double> removed;
   for (const auto& entry : fs::directory_iterator(sessions)) {
-    if (next.notices().back().text.find(entry.path().string()) == std::string::npos) continue;
+    if (next.notices->list().back().text.find(entry.path().string()) == std::string::npos) continue;
     const auto replayed = replayRun(entry.path());
     ASSERT_TRUE(replayed) << replayed.error().message();
     removed.push_back(replayed->removed_mm3);
@@ -365,20 +373,20 @@ TEST_F(TimelineTest, ASessionThatIsWatchedIsGoneOnWithFromAnyMoment) {
   std::vector<double> removed{0};
   for (const int x : {150, 180, 210}) {
     stroke(x);
-    removed.push_back(bench_->removedMm3());
+    removed.push_back(bench_->document->removedMm3());
   }
   const fs::path whole = end();
   run("replay.open \"" + whole.string() + "\"\nwait\n");
   run("replay.time 1.35\nwait\n");
-  const double at = bench_->removedMm3();
+  const double at = bench_->document->removedMm3();
   ASSERT_GT(at, 0.01);
   run("replay.go-on\nwait\nexpect steps 0 0\n");
-  ASSERT_TRUE(bench_->isOpen());
-  EXPECT_NEAR(bench_->removedMm3(), at, 1e-6);
+  ASSERT_TRUE(bench_->document->isOpen());
+  EXPECT_NEAR(bench_->document->removedMm3(), at, 1e-6);
   stroke(240);
-  ASSERT_GT(bench_->removedMm3(), at + 1e-3);
+  ASSERT_GT(bench_->document->removedMm3(), at + 1e-3);
 
-  const double now = bench_->removedMm3();
+  const double now = bench_->document->removedMm3();
   const fs::path session = end();
   const auto replayed = replayRun(session);
   ASSERT_TRUE(replayed) << replayed.error().message();
@@ -392,19 +400,19 @@ TEST_F(TimelineTest, ASessionThatIsWatchedIsGoneOnWithFromAnyMoment) {
     return std::distance(fs::begin(all), fs::end(all));
   };
   run("replay.open \"" + session.string() + "\"\nwait\nreplay.time 0.01\nwait\nreplay.go-on\nwait\n");
-  ASSERT_TRUE(bench_->isOpen());
-  EXPECT_NEAR(bench_->removedMm3(), at, 1e-6);
+  ASSERT_TRUE(bench_->document->isOpen());
+  EXPECT_NEAR(bench_->document->removedMm3(), at, 1e-6);
   end();
   const auto kept = runs();
   run("replay.open \"" + session.string() + "\"\nwait\nreplay.time 0.01\nwait\nreplay.go-on\nwait\n");
-  ASSERT_TRUE(bench_->isOpen());
+  ASSERT_TRUE(bench_->document->isOpen());
   end();
   EXPECT_EQ(runs(), kept);
 
   // At the beginning of a run from a case there is nothing to continue; error notices end a script.
   run("replay.open \"" + whole.string() + "\"\nwait\n");
   EXPECT_NE(refusalOf("replay.go-on\nwait\n").find("nothing is cut up to there"), std::string::npos);
-  EXPECT_TRUE(bench_->watched());
+  EXPECT_TRUE(bench_->document->watched());
 }
 
 // A branch exists to be continued: otherwise it is not kept.
@@ -422,9 +430,9 @@ TEST_F(TimelineTest, ABranchThatCanNotBeOpenedIsNotKept) {
 
 TEST_F(TimelineTest, WhatIsFeltAndCutIsTraced) {
   using Channel = Trace::Channel;
-  EXPECT_EQ(bench_->trace().largest(Channel::kRate), 0);
+  EXPECT_EQ(bench_->monitor->trace().largest(Channel::kRate), 0);
   stroke(200);
-  const Trace& trace = bench_->trace();
+  const Trace& trace = bench_->monitor->trace();
   EXPECT_GT(trace.largest(Channel::kForce), 0.5);
   EXPECT_LT(trace.largest(Channel::kForce), 8);
   EXPECT_GT(trace.largest(Channel::kSpindle), 10);  // its remaining speed depends on the time of contact
@@ -432,7 +440,7 @@ TEST_F(TimelineTest, WhatIsFeltAndCutIsTraced) {
   EXPECT_GT(trace.largest(Channel::kDepth), 0.05);
   double cut = 0;
   for (const float rate : trace.values(Channel::kRate)) cut += static_cast<double>(rate) / Trace::kPerSecond;
-  EXPECT_NEAR(cut, bench_->removedMm3(), 0.3 * bench_->removedMm3());
+  EXPECT_NEAR(cut, bench_->document->removedMm3(), 0.3 * bench_->document->removedMm3());
 
   const float most = trace.largest(Channel::kRate);
   run("edit.undo\nwait 0.3\nedit.redo\nwait 0.3\n");
@@ -448,22 +456,22 @@ TEST_F(TimelineTest, WhatIsFeltAndCutIsTraced) {
 // Faster than the reports, and beyond the capacity of the 1 kHz thread's queue.
 TEST_F(TimelineTest, GoesOverMoreStepsThanTheQueueTakes) {
   stroke(180);
-  const double removed = bench_->removedMm3();
-  const std::uint32_t id = bench_->scene().shown().front()->id;
+  const double removed = bench_->document->removedMm3();
+  const std::uint32_t id = bench_->document->scene().shown().front()->id;
   constexpr int kMoves = 100;
   for (int n = 1; n <= kMoves; ++n) {
-    bench_->movePiece(id, {Eigen::Quaterniond::Identity(), {0, 0, 0.01 * n}});
+    bench_->pieces->move(id, {Eigen::Quaterniond::Identity(), {0, 0, 0.01 * n}});
     bench_->update();
     std::this_thread::sleep_for(std::chrono::milliseconds(4));
   }
   run("wait 0.1\nexpect steps 101 101\n");
-  EXPECT_EQ(bench_->timeline().steps().back().kind, TimelineStep::Kind::kMove);
+  EXPECT_EQ(bench_->steps->timeline().steps().back().kind, TimelineStep::Kind::kMove);
   // Dragged to and fro, without waiting.
   run("edit.go 40\nedit.go 90\nedit.go 3\nedit.undo\nedit.undo\nedit.redo\nwait 1\nexpect steps 2 2\n");
-  EXPECT_NEAR(bench_->report().objects[0].T_world_object.translation[2], 0.01, 1e-12);
-  EXPECT_NEAR(bench_->removedMm3(), removed, 1e-9);
+  EXPECT_NEAR(bench_->document->report().objects[0].T_world_object.translation[2], 0.01, 1e-12);
+  EXPECT_NEAR(bench_->document->removedMm3(), removed, 1e-9);
   run("edit.go 0\nwait 0.5\nexpect removed -1e-9 1e-9\nedit.end\nwait 1\nexpect steps 101 101\n");
-  EXPECT_NEAR(bench_->report().objects[0].T_world_object.translation[2], 1, 1e-12);
+  EXPECT_NEAR(bench_->document->report().objects[0].T_world_object.translation[2], 1, 1e-12);
   const auto replayed = replayRun(end());
   ASSERT_TRUE(replayed) << replayed.error().message();
   EXPECT_TRUE(replayed->is_same && replayed->is_whole) << replayed->note;
@@ -471,16 +479,16 @@ TEST_F(TimelineTest, GoesOverMoreStepsThanTheQueueTakes) {
 
 TEST_F(TimelineTest, APlannedCutIsGoneOverInOneStep) {
   stroke(150);
-  const double before = bench_->removedMm3();
+  const double before = bench_->document->removedMm3();
   run("tool.select saw-reciprocating-25\nsaw.plane 1.5 0 -1 1 0 0\nsaw.cut\nwait 4\nsaw.stop\nwait\nwait 0.2\n"
       "expect steps 2 2\n");
-  const double after = bench_->removedMm3();
+  const double after = bench_->document->removedMm3();
   ASSERT_GT(after, before + 0.1);
-  EXPECT_EQ(bench_->timeline().steps()[1].kind, TimelineStep::Kind::kPlannedCut);
+  EXPECT_EQ(bench_->steps->timeline().steps()[1].kind, TimelineStep::Kind::kPlannedCut);
   goTo(1);
-  EXPECT_NEAR(bench_->removedMm3(), before, 1e-9);
+  EXPECT_NEAR(bench_->document->removedMm3(), before, 1e-9);
   run("edit.redo\nwait 0.3\nexpect steps 2 2\n");
-  EXPECT_NEAR(bench_->removedMm3(), after, 1e-9);
+  EXPECT_NEAR(bench_->document->removedMm3(), after, 1e-9);
   run("edit.undo\nedit.undo\nwait 0.3\nexpect steps 0 0\nexpect removed -1e-9 1e-9\n");
 }
 

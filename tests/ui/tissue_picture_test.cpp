@@ -19,8 +19,13 @@
 #include "tests/support/welded_mesh.h"
 #include "tests/ui/picture_compare.h"
 #include "ui/app/commands/app_commands.h"
+#include "ui/app/document/document.h"
+#include "ui/app/document/jobs.h"
+#include "ui/app/document/view_state.h"
 #include "ui/app/script/app_script.h"
 #include "ui/app/view/tissue_display.h"
+#include "ui/app/workbench/scene_pieces.h"
+#include "ui/app/workbench/sessions.h"
 #include "ui/window/draw/live_view.h"
 #include "ui/window/gl/gl_context.h"
 
@@ -95,8 +100,9 @@ class TissuePicture : public ::testing::Test {
     options.voxel_mm = 0.15;
     options.real_time = {.priority = 0, .lock_memory = false};
     bench_ = std::make_unique<Workbench>(options);
-    bench_->openDemo("molar");
-    while (bench_->job() || (bench_->isOpen() && bench_->scene().triangleCount() == 0)) frame();
+    bench_->sessions->openDemo("molar");
+    while (bench_->jobs->running() || (bench_->document->isOpen() && bench_->document->scene().triangleCount() == 0))
+      frame();
   }
   static void TearDownTestSuite() {
     view_.reset();
@@ -106,13 +112,14 @@ class TissuePicture : public ::testing::Test {
   }
   void SetUp() override {
     if (!context_) GTEST_SKIP() << why_;
-    ASSERT_TRUE(bench_->isOpen()) << (bench_->notices().empty() ? "" : bench_->notices().back().text);
+    ASSERT_TRUE(bench_->document->isOpen())
+        << (bench_->notices->list().empty() ? "" : bench_->notices->list().back().text);
     run("view.from front");
   }
   void TearDown() override {
-    if (!context_ || !bench_->isOpen()) return;
-    bench_->section.reset();
-    bench_->tissues().showAll();
+    if (!context_ || !bench_->document->isOpen()) return;
+    bench_->views->section.reset();
+    bench_->views->tissues().showAll();
     run("view.colours tissue");
   }
 
@@ -144,7 +151,7 @@ class TissuePicture : public ::testing::Test {
 TEST_F(TissuePicture, ASectionShowsEnamelDentinAndPulpInTheirColours) {
   const Image whole = picture();
   EXPECT_EQ(countNear(whole, kPulp), 0);
-  bench_->section = Plane{bench_->scene().bounds().center(), {0, -1, 0}};
+  bench_->views->section = Plane{bench_->document->scene().bounds().center(), {0, -1, 0}};
   const Image front = picture();
   EXPECT_GT(countNear(front, kEnamel), 1500);
   EXPECT_GT(countNear(front, kDentin), 4000);
@@ -156,25 +163,25 @@ TEST_F(TissuePicture, ASectionShowsEnamelDentinAndPulpInTheirColours) {
   EXPECT_NEAR(countNear(oblique, kPulp) / (0.8 * countNear(front, kPulp)), 1, 0.3);
 
   // In front of the tooth the plane cuts nothing open.
-  bench_->section->point[1] = bench_->scene().bounds().min[1] - 1;
+  bench_->views->section->point[1] = bench_->document->scene().bounds().min[1] - 1;
   EXPECT_EQ(countNear(picture(), kPulp), 0);
 }
 
 TEST_F(TissuePicture, ASectionOfAPieceThatIsMovedShowsWhatIsInThePiece) {
-  bench_->section = Plane{bench_->scene().bounds().center(), {0, -1, 0}};
+  bench_->views->section = Plane{bench_->document->scene().bounds().center(), {0, -1, 0}};
   const int before = countNear(picture(), kPulp);
-  const std::uint32_t id = bench_->scene().shown()[0]->id;
-  const Vec3d middle = bench_->scene().bounds().center();
+  const std::uint32_t id = bench_->document->scene().shown()[0]->id;
+  const Vec3d middle = bench_->document->scene().bounds().center();
 
   // Rotated about the axis of the view, and along the plane: the same section elsewhere.
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.5, Vec3d::UnitY()));
-  bench_->dragPiece(id, Rigid3{turn, middle - turn * middle + Vec3d(1, 0, 0)});
+  bench_->pieces->drag(id, Rigid3{turn, middle - turn * middle + Vec3d(1, 0, 0)});
   EXPECT_NEAR(countNear(picture(), kPulp), before, 0.15 * before);
 
   // Towards the viewer: another section, in front of the pulp.
-  bench_->dragPiece(id, Rigid3{Eigen::Quaterniond::Identity(), {0, 6, 0}});
+  bench_->pieces->drag(id, Rigid3{Eigen::Quaterniond::Identity(), {0, 6, 0}});
   EXPECT_LT(countNear(picture(), kPulp), before / 2);
-  bench_->dragPiece(id, std::nullopt);
+  bench_->pieces->drag(id, std::nullopt);
 }
 
 TEST_F(TissuePicture, ASessionThatIsWatchedShowsThemAsWhileItIsCut) {
@@ -203,15 +210,15 @@ TEST_F(TissuePicture, ASessionThatIsWatchedShowsThemAsWhileItIsCut) {
   play(
       "file.demo molar\nwait\nview.from top\ncut.force 2\ncut.press 160 120\nwait 1.5\ncut.release\nwait 0.3\n"
       "file.close\nwait\n");
-  play("replay.open \"" + bench.sessionFolder().string() + "\"\nwait\nview.from front\n");
-  ASSERT_TRUE(bench.watched());
+  play("replay.open \"" + bench.document->sessionFolder().string() + "\"\nwait\nview.from front\n");
+  ASSERT_TRUE(bench.document->watched());
 
   EXPECT_EQ(countNear(shot(), kPulp), 0);
-  bench.section = Plane{bench.scene().bounds().center(), {0, -1, 0}};
+  bench.views->section = Plane{bench.document->scene().bounds().center(), {0, -1, 0}};
   const Image open = shot();
   EXPECT_GT(countNear(open, kDentin), 4000);
   EXPECT_GT(countNear(open, kPulp), 600);
-  bench.section.reset();
+  bench.views->section.reset();
 
   const Image whole = shot();
   play("view.tissue enamel hide\nwait\n");
@@ -267,19 +274,19 @@ TEST_F(TissuePicture, AGhostLetsThePulpShineThrough) {
 
 TEST_F(TissuePicture, WhatIsGhostOrHiddenSaysSoAndWrongWordsAreRefused) {
   run("view.tissue enamel ghost");
-  EXPECT_TRUE(bench_->tissues().isOwnSurfaceGhost());
-  EXPECT_FALSE(bench_->tissues().hasPart(TissuePart::kGhost));
+  EXPECT_TRUE(bench_->views->tissues().isOwnSurfaceGhost());
+  EXPECT_FALSE(bench_->views->tissues().hasPart(TissuePart::kGhost));
   run("view.tissue pulp hide");
-  EXPECT_FALSE(bench_->tissues().isOwnSurfaceGhost());
-  EXPECT_TRUE(bench_->tissues().hasPart(TissuePart::kGhost));
+  EXPECT_FALSE(bench_->views->tissues().isOwnSurfaceGhost());
+  EXPECT_TRUE(bench_->views->tissues().hasPart(TissuePart::kGhost));
   for (const auto& words : {std::vector<std::string>{"bark", "hide"}, {"enamel", "eat"}, {"enamel"}, {}})
     EXPECT_FALSE(runAppCommand(app_, "view.tissue", words));
   EXPECT_FALSE(runAppCommand(app_, "view.colours", std::vector<std::string>{"blue"}));
-  EXPECT_TRUE(bench_->tissues().hasPart(TissuePart::kSolid));
+  EXPECT_TRUE(bench_->views->tissues().hasPart(TissuePart::kSolid));
 }
 
 TEST_F(TissuePicture, TheSurfaceOfSomeTissuesIsClosedAndHoldsTheirVolume) {
-  const BakedObject& object = bench_->run()->object();
+  const BakedObject& object = bench_->document->run()->object();
   const auto volume = [&](Material material) { return object.volumes()[static_cast<std::size_t>(material)]; };
   TissueSet all;
   all.set();
@@ -300,7 +307,7 @@ TEST_F(TissuePicture, TheSurfaceOfSomeTissuesIsClosedAndHoldsTheirVolume) {
 }
 
 TEST_F(TissuePicture, TheSurfaceOfSomeTissuesFollowsTheCutAndItsUndo) {
-  const BakedObject& object = bench_->run()->object();
+  const BakedObject& object = bench_->document->run()->object();
   TissueMesher pulp(object, setOf({Material::kPulp}), object.phi0());
   OverlayField field(object.phi0());
   const double before = volumeOf(pulp.update(field.changed()));
@@ -308,7 +315,7 @@ TEST_F(TissuePicture, TheSurfaceOfSomeTissuesFollowsTheCutAndItsUndo) {
   // A ball that removes the middle of the chamber.
   const Box3 box = object.phi0().bounds();
   Vec3d middle = box.center();
-  while (bench_->structures()->distance(middle) > -0.3 && middle[2] < box.max[2]) middle[2] += object.voxel();
+  while (bench_->document->structures()->distance(middle) > -0.3 && middle[2] < box.max[2]) middle[2] += object.voxel();
   ASSERT_LT(middle[2], box.max[2]);
   LiveSurface surface;
   const auto update = [&] { surface.update(pulp.update(field.changed())); };
@@ -341,7 +348,7 @@ TEST_F(TissuePicture, WhatIsCutWhileATissueIsHiddenIsSeenToBeCut) {
   run("wait 3");
   run("cut.release");
   run("wait 0.5");
-  EXPECT_GT(bench_->removedMm3(), 0.01);
+  EXPECT_GT(bench_->document->removedMm3(), 0.01);
   const auto differs = [&](const Image& now) {
     int n = 0;
     for (std::size_t i = 0; i < now.rgba.size(); i += 4) n += std::abs(now.rgba[i] - before.rgba[i]) > 12;
@@ -357,8 +364,8 @@ TEST_F(TissuePicture, WhatIsCutWhileATissueIsHiddenIsSeenToBeCut) {
 }
 
 TEST_F(TissuePicture, MapsSayDepthAndDistanceInMillimetres) {
-  const TissueDisplay& tissues = bench_->tissues();
-  const BrickField& phi0 = bench_->run()->object().phi0();
+  const TissueDisplay& tissues = bench_->views->tissues();
+  const BrickField& phi0 = bench_->document->run()->object().phi0();
   MeshChunk chunk;
   const Box3 box = phi0.bounds();
   for (int n = 0; n < 400; ++n) {
@@ -387,7 +394,7 @@ TEST_F(TissuePicture, MapsSayDepthAndDistanceInMillimetres) {
   run("view.colours distance");
   colours = tissues.coloursOf(chunk);
   for (std::size_t v = 0; v < chunk.vertices.size(); ++v) {
-    const double distance = bench_->structures()->distance(chunk.vertices[v].cast<double>());
+    const double distance = bench_->document->structures()->distance(chunk.vertices[v].cast<double>());
     EXPECT_TRUE(isNear(colours[v], mapColour(1 - distance / kMapReach), 0));
   }
   EXPECT_GT(test::pictureDifference(depth, picture()), 2);

@@ -1,5 +1,5 @@
 // The rack in the window: favourites first, and a file's error in its row.
-#include "ui/app/workbench/tool_rack.h"
+#include "ui/app/readout/tool_rack.h"
 
 #include <algorithm>
 #include <chrono>
@@ -7,8 +7,12 @@
 
 #include "geometry/formats/mesh_writer.h"
 #include "tests/ui/block_on_bench.h"
+#include "ui/app/settings/settings.h"
 #include "ui/app/commands/app_commands.h"
-#include "ui/app/commands/settings.h"
+#include "ui/app/document/document.h"
+#include "ui/app/document/jobs.h"
+#include "ui/app/workbench/sessions.h"
+#include "ui/app/workbench/tools.h"
 
 namespace kerf::tool_rack_test {
 namespace {
@@ -27,13 +31,13 @@ class ToolRackTest : public testing::Test {
   void SetUp() override {
     const fs::path file = folder_.path() / "block.ply";
     ASSERT_TRUE(writeMesh(file, test::blockMesh(false)));
-    bench_.open(file);
-    ASSERT_TRUE(comes([&] { return bench_.isOpen() && !bench_.job(); }));
+    bench_.sessions->open(file);
+    ASSERT_TRUE(comes([&] { return bench_.document->isOpen() && !bench_.jobs->running(); }));
   }
   void TearDown() override {
-    EXPECT_TRUE(comes([&] { return !bench_.job(); }));
-    bench_.close();
-    EXPECT_TRUE(comes([&] { return !bench_.job(); }));
+    EXPECT_TRUE(comes([&] { return !bench_.jobs->running(); }));
+    bench_.sessions->close();
+    EXPECT_TRUE(comes([&] { return !bench_.jobs->running(); }));
   }
   Expected<void> favourite(const std::string& id) {
     return runAppCommand(context_, "tool.favourite", id.empty() ? std::vector<std::string>{} : std::vector{id});
@@ -41,7 +45,7 @@ class ToolRackTest : public testing::Test {
   std::vector<std::string> shown(std::string_view search = {}) const {
     const RackView view{.search = search, .favourites = settings_.values.favourite_tools};
     std::vector<std::string> out;
-    for (const std::size_t n : rackRows(bench_, view)) out.push_back(bench_.tool(n).id);
+    for (const std::size_t n : rackRows(bench_, view)) out.push_back(bench_.tools->at(n).id);
     return out;
   }
   // Waits for a condition; the rack checks files once a second.
@@ -55,7 +59,7 @@ class ToolRackTest : public testing::Test {
     return is_so();
   }
   bool isInHand(const std::string& id) const {
-    return bench_.isOpen() && !bench_.job() && bench_.tool(bench_.toolInHand()).id == id;
+    return bench_.document->isOpen() && !bench_.jobs->running() && bench_.tools->at(bench_.tools->inHand()).id == id;
   }
   // Like an editor's save: newer than the old file.
   void rewrite(const fs::path& file, const std::string& text) {
@@ -116,26 +120,26 @@ const char* const kBur =
 
 TEST_F(ToolRackTest, AFileThatIsNoToolStandsInTheRackUntilItIsOne) {
   const fs::path file = folder_.write("mine.toml", std::string(kBur) + "head_diamter = 3\n");
-  bench_.addTool(file);
-  ASSERT_EQ(bench_.brokenTools().size(), 1u);
-  EXPECT_EQ(bench_.brokenTools()[0].file, file);
-  EXPECT_NE(bench_.brokenTools()[0].error.message().find("head_diamter"), std::string::npos);
-  EXPECT_EQ(bench_.toolCount(), 3u);
+  bench_.tools->add(file);
+  ASSERT_EQ(bench_.tools->broken().size(), 1u);
+  EXPECT_EQ(bench_.tools->broken()[0].file, file);
+  EXPECT_NE(bench_.tools->broken()[0].error.message().find("head_diamter"), std::string::npos);
+  EXPECT_EQ(bench_.tools->count(), 3u);
 
   rewrite(file, kBur);
-  ASSERT_TRUE(comes([&] { return bench_.brokenTools().empty() && isInHand("mine"); })) << "it was asked for";
-  ASSERT_EQ(bench_.toolCount(), 4u);
+  ASSERT_TRUE(comes([&] { return bench_.tools->broken().empty() && isInHand("mine"); })) << "it was asked for";
+  ASSERT_EQ(bench_.tools->count(), 4u);
 
   // Broken again: the tool stays as read, with the error in its row.
-  EXPECT_FALSE(bench_.toolError(3));
+  EXPECT_FALSE(bench_.tools->error(3));
   rewrite(file, std::string(kBur) + "neck = 3\n");
-  ASSERT_TRUE(comes([&] { return bench_.toolError(3) != nullptr; }));
-  EXPECT_NE(bench_.toolError(3)->message().find("neck"), std::string::npos);
+  ASSERT_TRUE(comes([&] { return bench_.tools->error(3) != nullptr; }));
+  EXPECT_NE(bench_.tools->error(3)->message().find("neck"), std::string::npos);
   EXPECT_TRUE(isInHand("mine"));
-  EXPECT_EQ(bench_.tool(3).head_diameter_mm, 2.2);
-  EXPECT_TRUE(bench_.brokenTools().empty());
+  EXPECT_EQ(bench_.tools->at(3).head_diameter_mm, 2.2);
+  EXPECT_TRUE(bench_.tools->broken().empty());
   rewrite(file, kBur);
-  EXPECT_TRUE(comes([&] { return bench_.toolError(3) == nullptr; }));
+  EXPECT_TRUE(comes([&] { return bench_.tools->error(3) == nullptr; }));
 }
 
 TEST_F(ToolRackTest, TheNextToolIsTheNextOneThatIsSeen) {
@@ -144,9 +148,9 @@ TEST_F(ToolRackTest, TheNextToolIsTheNextOneThatIsSeen) {
   ASSERT_EQ(shown(), (Ids{"disc-22", "round-010", "round-014"}));
   const auto after = [&](const char* command) {
     EXPECT_TRUE(runAppCommand(context_, command));
-    return bench_.tool(bench_.toolInHand()).id;
+    return bench_.tools->at(bench_.tools->inHand()).id;
   };
-  ASSERT_TRUE(bench_.selectTool("disc-22"));
+  ASSERT_TRUE(bench_.tools->select("disc-22"));
   EXPECT_EQ(after("tool.next"), "round-010");
   EXPECT_EQ(after("tool.next"), "round-014");
   EXPECT_EQ(after("tool.next"), "disc-22") << "behind the last one comes the first";
@@ -159,23 +163,23 @@ TEST_F(ToolRackTest, OfAToolThatIsTooThinForTheVoxelsItTellsOnce) {
   coarse.data_folder = folder_.path() / "other data";
   coarse.voxel_mm = 0.15;
   Workbench bench(coarse);
-  bench.waitForTools();
-  bench.open(folder_.path() / "block.ply");
+  bench.tools->takeRack(true);
+  bench.sessions->open(folder_.path() / "block.ply");
   const auto isDone = [&] {
     bench.update();
-    return !bench.job();
+    return !bench.jobs->running();
   };
   ASSERT_TRUE(comes(isDone));
 
   const auto told = [&] {
-    return std::count_if(bench.notices().begin(), bench.notices().end(), [](const Notice& notice) {
+    return std::count_if(bench.notices->list().begin(), bench.notices->list().end(), [](const Notice& notice) {
       return !notice.is_error && notice.text.find("disc-22 cuts 1.3 voxels wide") != std::string::npos;
     });
   };
   EXPECT_EQ(told(), 0) << "another tool is in hand";
-  for (const char* id : {"disc-22", "round-010", "disc-22"}) ASSERT_TRUE(bench.selectTool(id));
+  for (const char* id : {"disc-22", "round-010", "disc-22"}) ASSERT_TRUE(bench.tools->select(id));
   EXPECT_EQ(told(), 1);
-  bench.close();
+  bench.sessions->close();
   EXPECT_TRUE(comes(isDone));
 }
 
@@ -185,15 +189,16 @@ TEST_F(ToolRackTest, ABrokenFileThatTheProgramWasToldOfIsWatched) {
   told.data_folder = folder_.path() / "other data";
   told.tools = {"round-014", file.string()};
   Workbench bench(told);
-  bench.waitForTools();
-  ASSERT_EQ(bench.brokenTools().size(), 1u);
-  EXPECT_EQ(bench.brokenTools()[0].file, file);
+  bench.tools->takeRack(true);
+  ASSERT_EQ(bench.tools->broken().size(), 1u);
+  EXPECT_EQ(bench.tools->broken()[0].file, file);
   rewrite(file, kBur);
   EXPECT_TRUE(comes([&] {
     bench.update();
-    return bench.brokenTools().empty();
+    return bench.tools->broken().empty();
   }));
-  EXPECT_NE(bench.notices().back().text.find("it is in the rack"), std::string::npos) << bench.notices().back().text;
+  EXPECT_NE(bench.notices->list().back().text.find("it is in the rack"), std::string::npos)
+      << bench.notices->list().back().text;
 }
 
 // ---- While the tools are still being read
@@ -204,32 +209,32 @@ TEST_F(ToolRackTest, IsReadBesideTheWindowAndWhatIsOpenedMeanwhileHasAllOfIt) {
   told.data_folder = folder_.path() / "other data";
   told.tools.push_back(broken.string());
   Workbench bench(told);
-  EXPECT_TRUE(bench.isReadingTools()) << "who makes the window does not wait";
-  EXPECT_TRUE(bench.brokenTools().empty());
-  EXPECT_TRUE(bench.notices().empty());
+  EXPECT_TRUE(bench.tools->isReading()) << "who makes the window does not wait";
+  EXPECT_TRUE(bench.tools->broken().empty());
+  EXPECT_TRUE(bench.notices->list().empty());
 
-  bench.open(folder_.path() / "block.ply");
-  ASSERT_TRUE(bench.job()) << "it is not refused either";
+  bench.sessions->open(folder_.path() / "block.ply");
+  ASSERT_TRUE(bench.jobs->running()) << "it is not refused either";
   ASSERT_TRUE(comes([&] {
     bench.update();
-    return !bench.job();
+    return !bench.jobs->running();
   }));
-  ASSERT_TRUE(bench.isOpen());
-  EXPECT_FALSE(bench.isReadingTools());
-  EXPECT_EQ(bench.toolCount(), 3u);
-  EXPECT_EQ(bench.firstLookTools(), 3u);
-  EXPECT_TRUE(bench.selectTool("disc-22"));
+  ASSERT_TRUE(bench.document->isOpen());
+  EXPECT_FALSE(bench.tools->isReading());
+  EXPECT_EQ(bench.tools->count(), 3u);
+  EXPECT_EQ(bench.tools->firstLook(), 3u);
+  EXPECT_TRUE(bench.tools->select("disc-22"));
 
   // The error appears as a notice and in the rack.
-  ASSERT_EQ(bench.brokenTools().size(), 1u);
-  EXPECT_EQ(bench.brokenTools()[0].file, broken);
-  EXPECT_TRUE(std::any_of(bench.notices().begin(), bench.notices().end(), [](const Notice& notice) {
+  ASSERT_EQ(bench.tools->broken().size(), 1u);
+  EXPECT_EQ(bench.tools->broken()[0].file, broken);
+  EXPECT_TRUE(std::any_of(bench.notices->list().begin(), bench.notices->list().end(), [](const Notice& notice) {
     return notice.is_error && notice.text.find("head_diamter") != std::string::npos;
   }));
-  bench.close();
+  bench.sessions->close();
   EXPECT_TRUE(comes([&] {
     bench.update();
-    return !bench.job();
+    return !bench.jobs->running();
   }));
 }
 
@@ -238,19 +243,19 @@ TEST_F(ToolRackTest, AToolDroppedMeanwhileComesBehindTheOthers) {
   WorkbenchOptions told = in(folder_);
   told.data_folder = folder_.path() / "other data";
   Workbench bench(told);
-  bench.addTool(mine);
-  EXPECT_FALSE(bench.isReadingTools());
-  bench.open(folder_.path() / "block.ply");
+  bench.tools->add(mine);
+  EXPECT_FALSE(bench.tools->isReading());
+  bench.sessions->open(folder_.path() / "block.ply");
   ASSERT_TRUE(comes([&] {
     bench.update();
-    return !bench.job();
+    return !bench.jobs->running();
   }));
-  ASSERT_EQ(bench.toolCount(), 4u);
-  EXPECT_EQ(bench.tool(3).id, "mine");
-  bench.close();
+  ASSERT_EQ(bench.tools->count(), 4u);
+  EXPECT_EQ(bench.tools->at(3).id, "mine");
+  bench.sessions->close();
   EXPECT_TRUE(comes([&] {
     bench.update();
-    return !bench.job();
+    return !bench.jobs->running();
   }));
 }
 
@@ -276,19 +281,21 @@ const char* const kPoint =
 
 TEST_F(ToolRackTest, AFileWhoseMeshIsBrokenIsAToolAsSoonAsTheMeshIsMended) {
   const fs::path mesh = folder_.write("point.stl", "solid nothing\n");
-  bench_.addTool(folder_.write("point.toml", kPoint));
-  ASSERT_EQ(bench_.brokenTools().size(), 1u);
+  bench_.tools->add(folder_.write("point.toml", kPoint));
+  ASSERT_EQ(bench_.tools->broken().size(), 1u);
   ASSERT_TRUE(writeMesh(mesh, pointedTool(10)));
   fs::last_write_time(mesh, fs::file_time_type::clock::now() + std::chrono::seconds(5));
-  EXPECT_TRUE(comes([&] { return bench_.brokenTools().empty() && isInHand("point"); }));
+  EXPECT_TRUE(comes([&] { return bench_.tools->broken().empty() && isInHand("point"); }));
 }
 
 TEST_F(ToolRackTest, AToolMadeOfAMeshIsReadAnewWhenItsMeshChanges) {
   const fs::path mesh = folder_.path() / "point.stl";
   ASSERT_TRUE(writeMesh(mesh, pointedTool(10)));
-  bench_.addTool(folder_.write("point.toml", kPoint));
-  ASSERT_TRUE(comes([&] { return isInHand("point"); })) << bench_.notices().back().text;
-  const auto length = [&] { return isInHand("point") ? bounds(*bench_.tool(bench_.toolInHand()).mesh).max[2] : 0; };
+  bench_.tools->add(folder_.write("point.toml", kPoint));
+  ASSERT_TRUE(comes([&] { return isInHand("point"); })) << bench_.notices->list().back().text;
+  const auto length = [&] {
+    return isInHand("point") ? bounds(*bench_.tools->at(bench_.tools->inHand()).mesh).max[2] : 0;
+  };
   EXPECT_NEAR(length(), 10, 1e-5);
 
   ASSERT_TRUE(writeMesh(mesh, pointedTool(14)));
@@ -299,7 +306,7 @@ TEST_F(ToolRackTest, AToolMadeOfAMeshIsReadAnewWhenItsMeshChanges) {
   // A file that is no mesh: the row shows the error.
   folder_.write("point.stl", "solid nothing\n");
   fs::last_write_time(mesh, fs::file_time_type::clock::now() + std::chrono::seconds(10));
-  EXPECT_TRUE(comes([&] { return bench_.toolError(3) != nullptr; }));
+  EXPECT_TRUE(comes([&] { return bench_.tools->error(3) != nullptr; }));
   EXPECT_NEAR(length(), 14, 1e-5) << "the tool is as it was read";
 }
 

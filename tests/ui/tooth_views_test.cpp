@@ -1,11 +1,12 @@
-#include "ui/app/commands/tooth_views.h"
-
 #include <chrono>
 #include <cmath>
 #include <thread>
 
 #include "preprocess/demo/demo_arch.h"
 #include "tests/ui/block_on_bench.h"
+#include "ui/app/document/document.h"
+#include "ui/app/document/jobs.h"
+#include "ui/app/workbench/sessions.h"
 
 namespace kerf::tooth_views_test {
 namespace {
@@ -103,17 +104,18 @@ class ViewsOfAnArch : public testing::Test {
   void SetUp() override {
     const fs::path file = folder_.path() / "arch.ply";
     ASSERT_TRUE(writeMesh(file, demoArch({.edge_mm = 0.8})->mesh));
-    bench_.open(file);
+    bench_.sessions->open(file);
     do {
       bench_.update();
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
-    } while (bench_.job() || (bench_.isOpen() && bench_.scene().triangleCount() == 0));
-    ASSERT_TRUE(bench_.isOpen()) << (bench_.notices().empty() ? "" : bench_.notices().back().text);
-    fitToBox(camera_, bench_.scene().bounds(), context_.width, context_.height);
+    } while (bench_.jobs->running() || (bench_.document->isOpen() && bench_.document->scene().triangleCount() == 0));
+    ASSERT_TRUE(bench_.document->isOpen())
+        << (bench_.notices->list().empty() ? "" : bench_.notices->list().back().text);
+    fitToBox(camera_, bench_.document->scene().bounds(), context_.width, context_.height);
   }
   void TearDown() override {
-    bench_.close();
-    while (bench_.job()) bench_.update();
+    bench_.sessions->close();
+    while (bench_.jobs->running()) bench_.update();
   }
 
   TemporaryFolder folder_;
@@ -123,7 +125,7 @@ class ViewsOfAnArch : public testing::Test {
   // The view of a side, for the place seen from above.
   Camera view(const char* id, const Vec3d& place) {
     camera_ = *cameraFromView("top");
-    fitToBox(camera_, bench_.scene().bounds(), context_.width, context_.height);
+    fitToBox(camera_, bench_.document->scene().bounds(), context_.width, context_.height);
     const auto pixel = pixelOf(camera_, place, context_.width, context_.height);
     const std::vector<std::string> words{std::to_string(pixel[0]), std::to_string(pixel[1])};
     EXPECT_TRUE(runAppCommand(context_, id, words)) << id;
@@ -132,7 +134,7 @@ class ViewsOfAnArch : public testing::Test {
 };
 
 TEST_F(ViewsOfAnArch, EachSideOfAMolarAndOfAnIncisorIsSeenFromWhereItFaces) {
-  ASSERT_TRUE(bench_.arch());
+  ASSERT_TRUE(bench_.document->arch());
   const Vec3d left_molar(20.5, 26, 0), right_molar(-20.5, 26, 0), incisor(2.5, 0.8, 0);
   const auto side = [](const Camera& c) { return Vec3d(c.backwards().x(), c.backwards().y(), 0).normalized(); };
   constexpr double kNear = 0.8;  // cosine of 37 degrees: teeth are rotated against the axes
@@ -161,12 +163,12 @@ TEST_F(ViewsOfAnArch, WhatIsLookedAtIsInTheMiddleUprightAndNotHidden) {
       EXPECT_NEAR(camera.target.x(), place.x(), 0.3) << id;
       EXPECT_NEAR(camera.target.y(), place.y(), 0.3) << id;
       EXPECT_LE(camera.half_height, 12);
-      EXPECT_NEAR(camera.right().dot(*bench_.occlusalNormal()), 0, 1e-9) << id;
+      EXPECT_NEAR(camera.right().dot(*bench_.document->occlusalNormal()), 0, 1e-9) << id;
       EXPECT_GT(camera.up().z(), 0.6) << id;
 
       // The other side of the arch does not hide it. The adjacent cusps may, by some mm.
       const Ray ray = rayUnder(camera, 0.5 * context_.width, 0.5 * context_.height, context_.width, context_.height);
-      const auto hit = bench_.scene().hit(ray);
+      const auto hit = bench_.document->scene().hit(ray);
       ASSERT_TRUE(hit) << id;
       EXPECT_LT((hit->on_surface.point - camera.target).norm(), 6) << id << ' ' << place.transpose();
     }
@@ -175,7 +177,7 @@ TEST_F(ViewsOfAnArch, WhatIsLookedAtIsInTheMiddleUprightAndNotHidden) {
 TEST_F(ViewsOfAnArch, BesideTheTeethTheNearestPartOfTheArchIsMeant) {
   camera_.target = Vec3d(-4, 30, 0);  // the floor of the mouth, nearer to the right side
   camera_.half_height = 2;
-  ASSERT_FALSE(bench_.scene().hit(rayUnder(camera_, 200, 150, 400, 300)));
+  ASSERT_FALSE(bench_.document->scene().hit(rayUnder(camera_, 200, 150, 400, 300)));
   ASSERT_TRUE(runAppCommand(context_, "view.buccal"));
   EXPECT_LT(camera_.target.x(), -15);
   EXPECT_LT(camera_.backwards().x(), -0.8);

@@ -12,9 +12,14 @@
 #include "tests/support/open_block.h"
 #include "tests/support/temporary_folder.h"
 #include "ui/app/commands/app_commands.h"
+#include "ui/app/readout/point_readout.h"
 #include "ui/app/commands/pointing.h"
+#include "ui/app/document/document.h"
+#include "ui/app/document/jobs.h"
 #include "ui/app/script/app_script.h"
-#include "ui/app/workbench/point_readout.h"
+#include "ui/app/workbench/sessions.h"
+#include "ui/app/workbench/strokes.h"
+#include "ui/app/workbench/tool_monitor.h"
 #include "ui/app/workbench/workbench.h"
 
 namespace kerf::workbench_strokes_test {
@@ -38,12 +43,12 @@ class WorkbenchStrokesTest : public testing::Test {
   }
   // By the simulation's clock.
   void wait(double seconds) {
-    const auto until = bench_->report().tick + static_cast<std::uint64_t>(seconds / kTick);
-    while (bench_->report().tick < until) bench_->update();
+    const auto until = bench_->document->report().tick + static_cast<std::uint64_t>(seconds / kTick);
+    while (bench_->document->report().tick < until) bench_->update();
   }
   std::string said() const {
     std::string out;
-    for (const Notice& notice : bench_->notices()) out += notice.text + "\n";
+    for (const Notice& notice : bench_->notices->list()) out += notice.text + "\n";
     return out;
   }
 
@@ -74,20 +79,21 @@ TEST_F(WorkbenchStrokesTest, WhatIsRemovedIsCountedTissueByTissue) {
   ASSERT_TRUE(play("file.open \"" + labels.string() + "\"\nwait\nview.top\nview.fit\ncut.force 3\ncut.depth 0.15\n" +
                    "cut.press 200 150\nwait 2\ncut.release\nwait 0.3\n"))
       << said();
-  EXPECT_GT(bench_->removedOf(Material::kCortical), 0.02);
-  EXPECT_NEAR(bench_->removedOf(Material::kNerveCanal), 0, 1e-3) << "not that deep yet";
-  EXPECT_EQ(bench_->removedOf(Material::kEnamel), 0) << "there is none";
+  EXPECT_GT(bench_->document->removedOf(Material::kCortical), 0.02);
+  EXPECT_NEAR(bench_->document->removedOf(Material::kNerveCanal), 0, 1e-3) << "not that deep yet";
+  EXPECT_EQ(bench_->document->removedOf(Material::kEnamel), 0) << "there is none";
 
   ASSERT_TRUE(play("cut.depth 1.5\ncut.press 200 150\nwait 5\ncut.release\nwait 0.3\n")) << said();
-  const double bone = bench_->removedOf(Material::kCortical), canal = bench_->removedOf(Material::kNerveCanal);
+  const double bone = bench_->document->removedOf(Material::kCortical),
+               canal = bench_->document->removedOf(Material::kNerveCanal);
   EXPECT_GT(canal, 0.01);
-  EXPECT_NEAR(bone + canal, bench_->removedMm3(), 1e-6) << "nothing is counted twice or left out";
+  EXPECT_NEAR(bone + canal, bench_->document->removedMm3(), 1e-6) << "nothing is counted twice or left out";
 
   ASSERT_TRUE(play("edit.undo\nwait 0.3\nedit.undo\nwait 0.3\n"));
-  EXPECT_NEAR(bench_->removedOf(Material::kCortical), 0, 1e-9);
-  EXPECT_NEAR(bench_->removedOf(Material::kNerveCanal), 0, 1e-9);
+  EXPECT_NEAR(bench_->document->removedOf(Material::kCortical), 0, 1e-9);
+  EXPECT_NEAR(bench_->document->removedOf(Material::kNerveCanal), 0, 1e-9);
   ASSERT_TRUE(play("file.close\nwait\n"));
-  EXPECT_EQ(bench_->removedOf(Material::kCortical), 0) << "nothing is open";
+  EXPECT_EQ(bench_->document->removedOf(Material::kCortical), 0) << "nothing is open";
 }
 
 TEST_F(WorkbenchStrokesTest, AToolThatRestsOnItsShankIsToldWhileItDoes) {
@@ -103,22 +109,22 @@ TEST_F(WorkbenchStrokesTest, AToolThatRestsOnItsShankIsToldWhileItDoes) {
                    "\"\nwait\nview.top\nview.fit\ncut.force 2\ncut.depth 2.5\ncut.press 200 150\nwait 0.2\n"
                    "expect hindered 0 0\n"))
       << said();
-  for (int n = 0; n < 40 && !bench_->hindrance()[0]; ++n) wait(0.25);
-  EXPECT_NE(std::string(bench_->hindrance()).find("neck or shank rests"), std::string::npos)
-      << *bench_->depthNow() << " mm deep, of the load " << bench_->report().output.normal_load << " N cuts "
-      << bench_->report().output.cutting_load;
+  for (int n = 0; n < 40 && !bench_->monitor->hindrance()[0]; ++n) wait(0.25);
+  EXPECT_NE(std::string(bench_->monitor->hindrance()).find("neck or shank rests"), std::string::npos)
+      << *bench_->strokes->depthNow() << " mm deep, of the load " << bench_->document->report().output.normal_load
+      << " N cuts " << bench_->document->report().output.cutting_load;
   EXPECT_TRUE(play("wait 0.3\nexpect hindered 1 1\nprint\n"));
   EXPECT_TRUE(play("cut.release\nwait 0.1\nexpect hindered 0 0\n"));
   // Neither a cutting stroke nor one at its depth is hindered.
   ASSERT_TRUE(play("cut.depth 0.3\ncut.press 280 150\n"));
   for (int n = 0; n < 12; ++n) {
     wait(0.25);
-    EXPECT_STREQ(bench_->hindrance(), "") << n;
+    EXPECT_STREQ(bench_->monitor->hindrance(), "") << n;
   }
   // A drive at standstill does not cut.
   ASSERT_TRUE(play("cut.depth 2\ncut.speed 0\n"));
-  for (int n = 0; n < 60 && !bench_->hindrance()[0]; ++n) wait(0.25);
-  EXPECT_NE(std::string(bench_->hindrance()).find("drive stands still"), std::string::npos);
+  for (int n = 0; n < 60 && !bench_->monitor->hindrance()[0]; ++n) wait(0.25);
+  EXPECT_NE(std::string(bench_->monitor->hindrance()).find("drive stands still"), std::string::npos);
   ASSERT_TRUE(play("cut.release\nwait 0.1\n"));
 }
 
@@ -129,22 +135,22 @@ TEST_F(WorkbenchStrokesTest, TissueAndPointAreThoseUnderTheToolDuringAStroke) {
       << said();
   EXPECT_FALSE(readoutOfTool(*bench_));
   ASSERT_TRUE(play("cut.press 200 150\n"));
-  const Vec3d pressed = bench_->strokePointer();
+  const Vec3d pressed = bench_->strokes->pointer();
   for (int n = 0; n < 10; ++n) {  // in air, while it cuts, and at its depth
     wait(0.2);
     const auto under = readoutOfTool(*bench_);
     ASSERT_TRUE(under) << n;
-    EXPECT_EQ(under->tissue, bench_->nameOf(Material::kCortical)) << n;
+    EXPECT_EQ(under->tissue, bench_->document->nameOf(Material::kCortical)) << n;
     EXPECT_LT((under->point - pressed).norm(), 0.4) << n;
   }
-  bench_->deepen(1.2);
+  bench_->strokes->deepen(1.2);
   std::optional<PointReadout> deep;
-  for (int n = 0; n < 100 && !(deep && deep->tissue == bench_->nameOf(Material::kNerveCanal)); ++n) {
+  for (int n = 0; n < 100 && !(deep && deep->tissue == bench_->document->nameOf(Material::kNerveCanal)); ++n) {
     wait(0.1);
     deep = readoutOfTool(*bench_);
     ASSERT_TRUE(deep);
   }
-  EXPECT_EQ(deep->tissue, bench_->nameOf(Material::kNerveCanal));
+  EXPECT_EQ(deep->tissue, bench_->document->nameOf(Material::kNerveCanal));
   EXPECT_GT((deep->point - pressed).norm(), 0.3);
   ASSERT_TRUE(play("cut.release\nwait 0.1\n"));
   EXPECT_FALSE(readoutOfTool(*bench_)) << "the cursor has its own";
@@ -158,9 +164,9 @@ TEST_F(WorkbenchStrokesTest, ASessionThatEndsTellsItsNumbers) {
                    "cut.release\nwait 0.3\nedit.undo\nwait 0.3\ncut.force 1\ncut.depth 0.1\ncut.press 200 150\n"
                    "wait 3\ncut.release\nwait 0.3\n"))
       << said();
-  const double bone = bench_->removedOf(Material::kCortical);
+  const double bone = bench_->document->removedOf(Material::kCortical);
   ASSERT_TRUE(play("file.close\nwait\nprint\n"));
-  const auto& told = bench_->lastResult();
+  const auto& told = bench_->sessions->lastResult();
   ASSERT_TRUE(told) << said();
   EXPECT_NEAR(told->removed_by_material.at("cortical"), bone, 1e-6);
   EXPECT_TRUE(told->mean_contact_force && told->contact_force && told->hottest && told->seconds);
@@ -187,45 +193,45 @@ TEST_F(WorkbenchStrokesTest, PushedHarderAStrokePushesTwiceAsHardUntilThatEnds) 
     constexpr int kLeast = 100;
     double sum = 0;
     int reports = 0;
-    std::uint64_t last = bench_->report().tick;
+    std::uint64_t last = bench_->document->report().tick;
     for (const std::uint64_t end = last + 1000; last < end || reports < kLeast;) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
       bench_->update();
-      if (bench_->report().tick == last) continue;
-      last = bench_->report().tick;
-      sum += bench_->report().output.force.force[2];
+      if (bench_->document->report().tick == last) continue;
+      last = bench_->document->report().tick;
+      sum += bench_->document->report().output.force.force[2];
       ++reports;
     }
     return sum / reports;
   };
   EXPECT_NEAR(felt(), 0.6, 0.06);
-  bench_->pushHarder(2);
+  bench_->strokes->pushHarder(2);
   wait(0.3);
   EXPECT_NEAR(felt(), 1.2, 0.12);
-  EXPECT_EQ(bench_->force, 0.6) << "the slider stays";
-  bench_->pushHarder(1);
+  EXPECT_EQ(bench_->strokes->force, 0.6) << "the slider stays";
+  bench_->strokes->pushHarder(1);
   wait(0.3);
   EXPECT_NEAR(felt(), 0.6, 0.06);
 
   // Not beyond the maximum force of a hand.
-  bench_->setForce(Workbench::kMostForce);
-  bench_->pushHarder(2);
+  bench_->strokes->setForce(Strokes::kMostForce);
+  bench_->strokes->pushHarder(2);
   wait(0.3);
-  EXPECT_LE(felt(), Workbench::kMostForce * 1.05);
+  EXPECT_LE(felt(), Strokes::kMostForce * 1.05);
 }
 
 TEST_F(WorkbenchStrokesTest, TheDemoArchOpensAndIsCut) {
   begin(0.3);
   ASSERT_TRUE(play("file.demo arch\nwait\n")) << said();
-  ASSERT_TRUE(bench_->isOpen());
-  EXPECT_EQ(bench_->name(), "arch");
-  EXPECT_TRUE(bench_->arch()) << "a full arch: its teeth have sides";
-  EXPECT_TRUE(bench_->occlusalNormal());
+  ASSERT_TRUE(bench_->document->isOpen());
+  EXPECT_EQ(bench_->document->name(), "arch");
+  EXPECT_TRUE(bench_->document->arch()) << "a full arch: its teeth have sides";
+  EXPECT_TRUE(bench_->document->occlusalNormal());
 
   // Viewed from above, on the first object along the middle row of pixels.
   ASSERT_TRUE(play("view.top\nview.fit\ncut.force 2\n"));
   int x = 0;
-  while (x < 400 && !bench_->over(rayUnder(camera_, x, 150, 400, 300))) x += 4;
+  while (x < 400 && !bench_->strokes->over(rayUnder(camera_, x, 150, 400, 300))) x += 4;
   ASSERT_LT(x, 400) << "nothing is in the picture";
   const auto cut =
       play(fmt::format("cut.press {} 150\nwait 3\ncut.release\nwait 0.3\nexpect removed 0.05 50\n", x + 8));

@@ -25,13 +25,24 @@
 #include "sim/run/scene/load_scene.h"
 #include "tests/support/open_block.h"
 #include "tests/support/temporary_folder.h"
+#include "ui/app/settings/settings.h"
 #include "ui/app/commands/app_commands.h"
+#include "ui/app/readout/point_readout.h"
 #include "ui/app/commands/pointing.h"
-#include "ui/app/commands/settings.h"
+#include "ui/app/document/document.h"
+#include "ui/app/document/file_history.h"
+#include "ui/app/document/jobs.h"
+#include "ui/app/document/view_state.h"
 #include "ui/app/script/app_script.h"
 #include "ui/app/view/scene.h"
 #include "ui/app/view/tissue_display.h"
-#include "ui/app/workbench/point_readout.h"
+#include "ui/app/workbench/results.h"
+#include "ui/app/workbench/scene_pieces.h"
+#include "ui/app/workbench/sessions.h"
+#include "ui/app/workbench/steps.h"
+#include "ui/app/workbench/strokes.h"
+#include "ui/app/workbench/tool_monitor.h"
+#include "ui/app/workbench/tools.h"
 
 namespace kerf::workbench_test {
 namespace {
@@ -62,13 +73,13 @@ class WorkbenchTest : public testing::Test {
     AppContext context{.bench = bench, .camera = camera, .width = 400, .height = 300};
     const auto played = runScript(context, folder_.write("script.ks", script), [&] { bench.update(); });
     camera_ = camera;
-    notices_ = bench.notices();
-    bench.cancelJob();
-    while (bench.job()) bench.update();
-    bench.close();
-    while (bench.job()) bench.update();
-    session_ = bench.sessionFolder();
-    removed_ = bench.removedMm3();
+    notices_ = bench.notices->list();
+    bench.jobs->cancel();
+    while (bench.jobs->running()) bench.update();
+    bench.sessions->close();
+    while (bench.jobs->running()) bench.update();
+    session_ = bench.document->sessionFolder();
+    removed_ = bench.document->removedMm3();
     return played;
   }
   std::string allNotices() const {
@@ -461,23 +472,23 @@ TEST_F(WorkbenchTest, TheDepthOfTheTipThePaceOfTheLoopAndWhatAPieceLostAreKnown)
                             "\"\nwait\nview.fit\ncut.force 2\ncut.depth 0.4\nexpect tip 0 0\ncut.press 290 150\n" +
                             "wait 4\nexpect depth 0.3 0.45\nexpect tip 0.3 0.45\nexpect loop 1 1200\nprint\n");
   ASSERT_TRUE(drilled) << drilled.error().message();
-  EXPECT_NEAR(*bench.tipDepth(), *bench.depthNow(), 0.02);
+  EXPECT_NEAR(*bench.monitor->tipDepth(), *bench.strokes->depthNow(), 0.02);
   ASSERT_TRUE(play("cut.release\nwait 0.3\n"));
-  EXPECT_FALSE(bench.tipDepth()) << "nobody leads the tool";
+  EXPECT_FALSE(bench.monitor->tipDepth()) << "nobody leads the tool";
 
   // Sawn through on the left: the earlier drilled volume stays with the first piece.
-  const double before = bench.removedMm3();
+  const double before = bench.document->removedMm3();
   ASSERT_TRUE(
       play("tool.select disc-22\ncut.force 3\ncut.depth 2.2\ncut.press 150 150\nwait 5\ncut.release\nwait 1\n"
            "expect pieces 2 2\ntool.select round-010\ncut.depth 0.3\ncut.force 2\ncut.press 120 150\nwait 2\n"
            "cut.release\nwait 0.3\n"));
   double sum = 0;
-  for (const SceneObject* piece : bench.scene().shown()) {
+  for (const SceneObject* piece : bench.document->scene().shown()) {
     EXPECT_GT(piece->removed_mm3, 0.005) << piece->name;
     sum += piece->removed_mm3;
   }
   EXPECT_GT(sum, before + 0.1);
-  EXPECT_NEAR(sum, bench.removedMm3(), 1e-9);
+  EXPECT_NEAR(sum, bench.document->removedMm3(), 1e-9);
 }
 
 TEST_F(WorkbenchTest, ADryStrokeIsWarm) {
@@ -501,19 +512,20 @@ TEST_F(WorkbenchTest, AnExportDoesNotHoldUpTheWindow) {
       "file.open \"" + scan(folder_).string() + "\"\nwait\nview.fit\ncut.press 200 150\nwait 0.5\n";
   ASSERT_TRUE(runScript(context, folder_.write("a.ks", script), [&] { bench.update(); }));
 
-  bench.exportTo(out);
-  ASSERT_TRUE(bench.job());
+  bench.results->exportTo(out);
+  ASSERT_TRUE(bench.jobs->running());
   EXPECT_FALSE(fs::exists(out)) << "nothing is waited for";
-  bench.press(rayUnder(camera, 220, 150, 400, 300));  // and the cut goes on
-  while (bench.job()) bench.update();
-  bench.release();
-  ASSERT_TRUE(fs::exists(out)) << bench.notices().back().text;
-  EXPECT_NE(bench.notices().back().text.find("ready to print"), std::string::npos) << bench.notices().back().text;
+  bench.strokes->press(rayUnder(camera, 220, 150, 400, 300));  // and the cut goes on
+  while (bench.jobs->running()) bench.update();
+  bench.strokes->release();
+  ASSERT_TRUE(fs::exists(out)) << bench.notices->list().back().text;
+  EXPECT_NE(bench.notices->list().back().text.find("ready to print"), std::string::npos)
+      << bench.notices->list().back().text;
 
-  bench.press(rayUnder(camera, 200, 150, 400, 300));
-  bench.exportTo(folder_.path() / "no.stl");
-  bench.cancelJob();
-  while (bench.job()) bench.update();
+  bench.strokes->press(rayUnder(camera, 200, 150, 400, 300));
+  bench.results->exportTo(folder_.path() / "no.stl");
+  bench.jobs->cancel();
+  while (bench.jobs->running()) bench.update();
   EXPECT_FALSE(fs::exists(folder_.path() / "no.stl")) << "cancelled while it waited";
 }
 
@@ -526,21 +538,21 @@ TEST_F(WorkbenchTest, ASessionThatEndsInAJumpEndsWhereThatLeads) {
   for (const int x : {150, 200, 250}) script += fmt::format("cut.press {} 150\nwait 1.5\ncut.release\nwait 0.1\n", x);
   const auto played = runScript(context, folder_.write("a.ks", script), [&] { bench.update(); });
   ASSERT_TRUE(played) << played.error().message();
-  const double all = bench.removedMm3();
-  ASSERT_EQ(bench.stepsDone(), 3u);
+  const double all = bench.document->removedMm3();
+  ASSERT_EQ(bench.steps->done(), 3u);
 
   // A step without a report precedes the jump.
-  const SceneObject& block = *bench.scene().shown().front();
-  bench.movePiece(block.id, {Eigen::Quaterniond::Identity(), {0, 0, 1}});
-  ASSERT_TRUE(bench.goToStep(1));
-  const std::uint64_t sent_by = bench.report().tick + 300;
-  while (bench.report().tick < sent_by) bench.update();
-  EXPECT_EQ(bench.stepsDone(), 1u);
-  ASSERT_TRUE(bench.goToStep(3));
-  ASSERT_TRUE(bench.goToStep(1));
-  bench.close();
-  while (bench.job()) bench.update();
-  const auto replayed = replayRun(bench.sessionFolder());
+  const SceneObject& block = *bench.document->scene().shown().front();
+  bench.pieces->move(block.id, {Eigen::Quaterniond::Identity(), {0, 0, 1}});
+  ASSERT_TRUE(bench.steps->goToStep(1));
+  const std::uint64_t sent_by = bench.document->report().tick + 300;
+  while (bench.document->report().tick < sent_by) bench.update();
+  EXPECT_EQ(bench.steps->done(), 1u);
+  ASSERT_TRUE(bench.steps->goToStep(3));
+  ASSERT_TRUE(bench.steps->goToStep(1));
+  bench.sessions->close();
+  while (bench.jobs->running()) bench.update();
+  const auto replayed = replayRun(bench.document->sessionFolder());
   ASSERT_TRUE(replayed) << replayed.error().message();
   EXPECT_GT(replayed->removed_mm3, 0.1 * all);
   EXPECT_LT(replayed->removed_mm3, 0.6 * all);
@@ -560,17 +572,17 @@ TEST_F(WorkbenchTest, WhatCannotBeOpenedLeavesTheSessionAlone) {
   Workbench bench(options());
   const auto work = [&] {
     do bench.update();
-    while (bench.job());
+    while (bench.jobs->running());
   };
-  bench.open(scan(folder_));
+  bench.sessions->open(scan(folder_));
   work();
-  ASSERT_TRUE(bench.isOpen());
-  const std::string name = bench.name();
-  bench.open(text);
+  ASSERT_TRUE(bench.document->isOpen());
+  const std::string name = bench.document->name();
+  bench.sessions->open(text);
   work();
-  EXPECT_TRUE(bench.isOpen());
-  EXPECT_EQ(bench.name(), name);
-  EXPECT_TRUE(bench.notices().back().is_error);
+  EXPECT_TRUE(bench.document->isOpen());
+  EXPECT_EQ(bench.document->name(), name);
+  EXPECT_TRUE(bench.notices->list().back().is_error);
 }
 
 TEST_F(WorkbenchTest, ToolsOfOneNameAreKeptApart) {
@@ -579,18 +591,18 @@ TEST_F(WorkbenchTest, ToolsOfOneNameAreKeptApart) {
   fs::copy_file(*findToolFile("round-014", defaultToolFolders()), other);
   twice.tools = {"round-014", other.string()};
   Workbench bench(twice);
-  bench.open(scan(folder_));
+  bench.sessions->open(scan(folder_));
   do bench.update();
-  while (bench.job());
-  EXPECT_TRUE(bench.isOpen()) << bench.notices().back().text;
-  EXPECT_EQ(bench.toolCount(), 2u);
+  while (bench.jobs->running());
+  EXPECT_TRUE(bench.document->isOpen()) << bench.notices->list().back().text;
+  EXPECT_EQ(bench.tools->count(), 2u);
 }
 
 TEST_F(WorkbenchTest, TheDefaultRackIsThere) {
   WorkbenchOptions plain = options();
   plain.tools.clear();
   const Workbench bench(plain);
-  EXPECT_TRUE(bench.notices().empty()) << bench.notices().front().text;
+  EXPECT_TRUE(bench.notices->list().empty()) << bench.notices->list().front().text;
 }
 
 TEST_F(WorkbenchTest, WhatWasOpenedIsOpenedAgainByTheListOfRecentFiles) {
@@ -599,10 +611,10 @@ TEST_F(WorkbenchTest, WhatWasOpenedIsOpenedAgainByTheListOfRecentFiles) {
   const fs::path file = scan(folder_);
   {
     Workbench bench(remembering);
-    bench.open(file);
+    bench.sessions->open(file);
     do bench.update();
-    while (bench.job());
-    ASSERT_EQ(bench.recent().list().size(), 1u);
+    while (bench.jobs->running());
+    ASSERT_EQ(bench.history->recent().list().size(), 1u);
   }
   Workbench bench(remembering);
   Camera camera;
@@ -611,11 +623,11 @@ TEST_F(WorkbenchTest, WhatWasOpenedIsOpenedAgainByTheListOfRecentFiles) {
     return runScript(context, folder_.write("script.ks", script), [&] { bench.update(); });
   };
   ASSERT_TRUE(play("recent.open\nwait\nimport.start\nwait\n"));
-  EXPECT_EQ(bench.source(), file);
+  EXPECT_EQ(bench.document->source(), file);
   EXPECT_FALSE(play("recent.forget\n")) << "which one is to be said";
   EXPECT_FALSE(play("recent.forget 2\n"));
   ASSERT_TRUE(play("recent.forget 1\n"));
-  EXPECT_TRUE(bench.recent().list().empty());
+  EXPECT_TRUE(bench.history->recent().list().empty());
   EXPECT_TRUE(fs::exists(file));
 }
 
@@ -630,8 +642,8 @@ TEST_F(WorkbenchTest, ALostLogIsDeletedOnlyWhenThatIsAskedFor) {
   Workbench bench(options());
   Camera camera;
   AppContext context{.bench = bench, .camera = camera};
-  ASSERT_EQ(bench.lostSessions().size(), 1u);
-  EXPECT_GT(bench.bytesOfLost(0), 1000u);
+  ASSERT_EQ(bench.history->lostSessions().size(), 1u);
+  EXPECT_GT(bench.history->bytesOfLost(0), 1000u);
   const std::vector<std::string> number{"1"}, both{"1", "delete"};
   const auto refused = runAppCommand(context, "session.forget", number);
   ASSERT_FALSE(refused);
@@ -640,7 +652,7 @@ TEST_F(WorkbenchTest, ALostLogIsDeletedOnlyWhenThatIsAskedFor) {
 
   ASSERT_TRUE(runAppCommand(context, "session.forget", both));
   EXPECT_FALSE(fs::exists(session_));
-  EXPECT_TRUE(bench.lostSessions().empty());
+  EXPECT_TRUE(bench.history->lostSessions().empty());
 }
 
 TEST_F(WorkbenchTest, WhatIsSetByCommandsIsKept) {
@@ -802,36 +814,36 @@ TEST_F(WorkbenchTest, AToolThatIsDroppedIsInHandAndTheCutGoesOn) {
   };
   ASSERT_TRUE(run("file.open \"" + scan(folder_).string() +
                   "\"\nwait\nview.fit\ncut.press 200 150\nwait 2\ncut.release\n" + "wait 0.2\n"));
-  const double removed = bench.removedMm3();
+  const double removed = bench.document->removedMm3();
   EXPECT_GT(removed, 0.01);
-  const std::uint64_t before = bench.generation();
-  ASSERT_EQ(bench.tissues().all().size(), 1u);
-  const std::string tissue = bench.tissues().all()[0].id;
+  const std::uint64_t before = bench.document->generation();
+  ASSERT_EQ(bench.views->tissues().all().size(), 1u);
+  const std::string tissue = bench.views->tissues().all()[0].id;
   ASSERT_TRUE(run("view.colours depth\nwait\nview.tissue " + tissue + " ghost\n"));
 
-  bench.open(file);  // as a drop does
+  bench.sessions->open(file);  // as a drop does
   ASSERT_TRUE(run("wait\nwait 0.2\n"));
-  ASSERT_TRUE(bench.isOpen());
-  EXPECT_EQ(bench.tool(bench.toolInHand()).id, "mine");
-  EXPECT_NEAR(bench.removedMm3(), removed, 0.02) << "what was cut is cut";
-  EXPECT_GT(bench.generation(), before);
-  EXPECT_TRUE(bench.keepsView());
-  EXPECT_EQ(bench.tissues().all()[0].look, TissueLook::kGhost) << "what was chosen to be seen is";
-  EXPECT_EQ(bench.tissues().choices().colours, SurfaceColours::kDepth);
+  ASSERT_TRUE(bench.document->isOpen());
+  EXPECT_EQ(bench.tools->at(bench.tools->inHand()).id, "mine");
+  EXPECT_NEAR(bench.document->removedMm3(), removed, 0.02) << "what was cut is cut";
+  EXPECT_GT(bench.document->generation(), before);
+  EXPECT_TRUE(bench.document->keepsView());
+  EXPECT_EQ(bench.views->tissues().all()[0].look, TissueLook::kGhost) << "what was chosen to be seen is";
+  EXPECT_EQ(bench.views->tissues().choices().colours, SurfaceColours::kDepth);
   ASSERT_TRUE(run("view.tissues-all\nview.colours tissue\n"));
-  EXPECT_EQ(bench.name(), "a scan");
+  EXPECT_EQ(bench.document->name(), "a scan");
   ASSERT_TRUE(run("cut.press 150 150\nwait 3\ncut.release\nwait 0.2\n"));
-  EXPECT_GT(bench.removedMm3(), removed + 0.01);
+  EXPECT_GT(bench.document->removedMm3(), removed + 0.01);
 
   // Changed: the program reloads it.
   folder_.write("mine.toml", std::string(text).replace(text.find("2.2"), 3, "1.9"));
   fs::last_write_time(file, fs::file_time_type::clock::now() + std::chrono::seconds(5));
   const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-  while (std::chrono::steady_clock::now() < until &&
-         !(bench.isOpen() && !bench.job() && bench.tool(bench.toolInHand()).head_diameter_mm == 1.9))
+  while (std::chrono::steady_clock::now() < until && !(bench.document->isOpen() && !bench.jobs->running() &&
+                                                       bench.tools->at(bench.tools->inHand()).head_diameter_mm == 1.9))
     bench.update();
-  ASSERT_TRUE(bench.isOpen());
-  EXPECT_EQ(bench.tool(bench.toolInHand()).head_diameter_mm, 1.9);
+  ASSERT_TRUE(bench.document->isOpen());
+  EXPECT_EQ(bench.tools->at(bench.tools->inHand()).head_diameter_mm, 1.9);
 
   const auto again = run("wait\nwait 0.2\ncut.press 250 150\nwait 2\ncut.release\nwait 0.2\n");
   ASSERT_TRUE(again) << again.error().message();
@@ -841,10 +853,10 @@ TEST_F(WorkbenchTest, AToolThatIsDroppedIsInHandAndTheCutGoesOn) {
   const auto refused = run("tool.add \"" + file.string() + "\"\n");
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().message().find("head_diamter"), std::string::npos) << refused.error().message();
-  EXPECT_EQ(bench.tool(bench.toolInHand()).head_diameter_mm, 1.9);
-  bench.close();
-  while (bench.job()) bench.update();
-  const auto replayed = replayRun(bench.sessionFolder());
+  EXPECT_EQ(bench.tools->at(bench.tools->inHand()).head_diameter_mm, 1.9);
+  bench.sessions->close();
+  while (bench.jobs->running()) bench.update();
+  const auto replayed = replayRun(bench.document->sessionFolder());
   ASSERT_TRUE(replayed) << replayed.error().message();
   EXPECT_TRUE(replayed->is_same && replayed->is_whole) << replayed->note;
 }
@@ -874,16 +886,16 @@ TEST_F(WorkbenchTest, ThePointUnderTheCursorIsSaidInTheFrameOfTheScan) {
   EXPECT_FALSE(readoutAt(bench, {{9, 9, 20}, -Vec3d::UnitZ()}));
 
   // Cut open 1 mm below its top, the block shows its inside, which the pointer ignores.
-  bench.section = Plane{{0, 0, -1}, Vec3d::UnitZ()};
+  bench.views->section = Plane{{0, 0, -1}, Vec3d::UnitZ()};
   EXPECT_FALSE(readoutAt(bench, ray));
-  EXPECT_FALSE(bench.over(ray));
+  EXPECT_FALSE(bench.strokes->over(ray));
   EXPECT_TRUE(readoutAt(bench, {{1.23, -20, -2}, Vec3d::UnitY()})) << "what is left is still there";
   EXPECT_FALSE(readoutAt(bench, {{1.23, -20, -0.5}, Vec3d::UnitY()})) << "this lies in what is taken away";
   ASSERT_TRUE(run("view.section\n"));
-  EXPECT_FALSE(bench.section);
+  EXPECT_FALSE(bench.views->section);
   ASSERT_TRUE(run("view.section 200 150\nview.section-deeper 0.5\n"));
-  ASSERT_TRUE(bench.section);
-  EXPECT_NEAR(bench.section->height({0, 0, 0}), 0.5, 0.01);
+  ASSERT_TRUE(bench.views->section);
+  EXPECT_NEAR(bench.views->section->height({0, 0, 0}), 0.5, 0.01);
   ASSERT_TRUE(run("view.section\n"));
 
   ASSERT_TRUE(run("point.copy 200 150\n"));
@@ -929,11 +941,11 @@ TEST_F(WorkbenchTest, PointsAreMeasuredOnTheSurface) {
                                           "measure.copy\n"),
                 [&] { bench.update(); });
   ASSERT_TRUE(played) << played.error().message();
-  EXPECT_NEAR(bench.measure.distance(0), 100 * camera.mmPerPixel(300), 0.01);
+  EXPECT_NEAR(bench.views->measure.distance(0), 100 * camera.mmPerPixel(300), 0.01);
   EXPECT_NE(copied.find("1 to 2"), std::string::npos) << copied;
   EXPECT_FALSE(runAppCommand(context, "measure.point", std::vector<std::string>{"2", "2"}));
   ASSERT_TRUE(runAppCommand(context, "measure.clear"));
-  EXPECT_TRUE(bench.measure.points().empty());
+  EXPECT_TRUE(bench.views->measure.points().empty());
 }
 
 }  // namespace

@@ -16,10 +16,10 @@
 #include "preprocess/unit/unit.h"
 #include "sim/run/export/export_bundle.h"
 #include "sim/run/files/run_files.h"
+#include "ui/app/readout/point_readout.h"
 #include "ui/app/view/camera.h"
 #include "ui/app/view/mesh_in_mm.h"
 #include "ui/app/view/upright.h"
-#include "ui/app/workbench/point_readout.h"
 #include "ui/cli/command.h"
 
 namespace kerf::cli {

@@ -1,6 +1,6 @@
 // The table of all window commands. Menus, keys, scripts and the reference page read it.
 //
-// A new command is a row in app_commands.cpp.
+// A new command is a row of a table beside its function: command_tables.h.
 #pragma once
 
 #include <array>
@@ -42,7 +42,7 @@ struct AppContext {
 
 struct AppCommand {
   std::string_view id;           ///< "file.open"
-  std::string_view menu;         ///< heading in the menu; empty: scripts only
+  std::string_view menu;         ///< heading in the menu, and a section of it: "File:2"; empty: scripts only
   std::string_view label;        ///< text in the menu
   std::string_view key;          ///< default key: "Ctrl+Z"; empty: none
   std::string_view parameters;   ///< in a script: "PATH", "[MM]"
@@ -55,6 +55,10 @@ struct AppCommand {
 inline bool asksForFile(const AppCommand& command) { return command.parameters.starts_with("PATH"); }
 
 std::span<const AppCommand> appCommands();
+/// "File": the heading without the section.
+constexpr std::string_view menuOf(const AppCommand& command) { return command.menu.substr(0, command.menu.find(':')); }
+/// The commands under a heading of the menu, section by section.
+std::vector<const AppCommand*> commandsOfMenu(std::string_view heading);
 /// Null if no command has that id.
 const AppCommand* findAppCommand(std::string_view id);
 /// Runs a command if it is enabled. Errors: kNotFound for an unknown id, kUnsupported if it is disabled now,

@@ -3,8 +3,11 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/device/record/arm_opener.h"
-#include "ui/app/commands/settings.h"
+#include "ui/app/settings/settings.h"
+#include "ui/app/commands/command_tables.h"
+#include "ui/app/document/jobs.h"
 #include "ui/app/session/arm_lead.h"
+#include "ui/app/workbench/force_device.h"
 
 namespace kerf::device_commands {
 namespace {
@@ -12,8 +15,6 @@ namespace {
 using DeviceLimits = SpaceMouseSettings;
 
 SpaceMouseSettings& settingsOf(AppContext& c) { return c.settings->values.space_mouse; }
-
-}  // namespace
 
 Expected<void> leads(AppContext& c, AppWords words) {
   SpaceMouseLeads& now = settingsOf(c).leads;
@@ -27,9 +28,9 @@ Expected<void> leads(AppContext& c, AppWords words) {
     now = SpaceMouseLeads::kNothing;
   else
     return wrongWord("\"" + words[0] + "\"", "tool, view or nothing");
-  c.bench.say(now == SpaceMouseLeads::kTool   ? "The SpaceMouse leads the tool"
-              : now == SpaceMouseLeads::kView ? "The SpaceMouse leads the view"
-                                              : "The SpaceMouse leads nothing");
+  c.bench.notices->say(now == SpaceMouseLeads::kTool   ? "The SpaceMouse leads the tool"
+                       : now == SpaceMouseLeads::kView ? "The SpaceMouse leads the view"
+                                                       : "The SpaceMouse leads nothing");
   return c.settings->save();
 }
 
@@ -68,9 +69,7 @@ Expected<void> invert(AppContext& c, AppWords words) {
 
 // ---- The force-feedback device
 
-namespace {
-
-ArmLead& armOf(AppContext& c) { return c.bench.arm(); }
+ArmLead& armOf(AppContext& c) { return c.bench.device->arm(); }
 
 Expected<bool> onOrOff(AppWords words, bool now) {
   if (words.empty()) return !now;
@@ -78,20 +77,18 @@ Expected<bool> onOrOff(AppWords words, bool now) {
   return wrongWord("\"" + words[0] + "\"", "on or off");
 }
 
-}  // namespace
-
-bool isOpen(const AppContext& c) { return c.bench.arm().isOpen(); }
-bool isLeading(const AppContext& c) { return c.bench.isLed(); }
-bool isArmed(const AppContext& c) { return c.bench.arm().isArmed(); }
+bool isOpen(const AppContext& c) { return c.bench.device->arm().isOpen(); }
+bool isLeading(const AppContext& c) { return c.bench.device->isLed(); }
+bool isArmed(const AppContext& c) { return c.bench.device->arm().isArmed(); }
 
 Expected<void> open(AppContext& c, AppWords words) {
   if (words.empty()) return wrongWord("no device", kArmNames);
-  return c.bench.openDevice(words[0]);
+  return c.bench.device->open(words[0]);
 }
 
 Expected<void> close(AppContext& c, AppWords) {
   armOf(c).close();
-  c.bench.say("The force-feedback device is closed; the mouse leads.");
+  c.bench.notices->say("The force-feedback device is closed; the mouse leads.");
   return {};
 }
 
@@ -102,7 +99,7 @@ Expected<void> disarm(AppContext& c, AppWords) {
   return {};
 }
 
-Expected<void> fit(AppContext& c, AppWords) { return c.bench.fitToDevice(); }
+Expected<void> fit(AppContext& c, AppWords) { return c.bench.device->fit(); }
 
 Expected<void> force(AppContext& c, AppWords words) {
   ArmChoice choice = armOf(c).choice();
@@ -158,7 +155,7 @@ Expected<void> place(AppContext& c, AppWords words) {
     KERF_TRY(value, numberOf(words, static_cast<std::size_t>(n), "X Y Z", -1e4, 1e4));
     tip[n] = value;
   }
-  return c.bench.placeHand(tip);
+  return c.bench.device->place(tip);
 }
 
 Expected<void> test(AppContext& c, AppWords words) {
@@ -178,8 +175,55 @@ Expected<void> panel(AppContext& c, AppWords words) {
   return {};
 }
 
+constexpr AppCommand kRows[] = {
+    {"device.leads", "Edit:2", "SpaceMouse: tool or view", "", "[tool|view|nothing]",
+     "Lets a SpaceMouse lead the tool or the view; if not told, the other one.", when::hasSettings, leads},
+    {"device.gain", "", "", "", "FACTOR", "Makes a SpaceMouse 0.1 to 4 times as fast.", when::hasSettings, gain},
+    {"device.dead-band", "", "", "", "PERCENT", "So far an axis of a SpaceMouse is at rest, 0 to 50 % of its way.",
+     when::hasSettings, deadBand},
+    {"device.dominant", "", "", "", "[on|off]", "Lets only that axis of a SpaceMouse count that is moved most.",
+     when::hasSettings, dominant},
+    {"device.invert", "", "", "", "AXIS...|none",
+     "Inverts axes of a SpaceMouse: right, away, up, pitch, roll, yaw; all others go as they are.", when::hasSettings,
+     invert},
+    {"device.panel", "Device", "Devices...", "", "[on|off]",
+     "Shows devices live: the force-feedback arm with what bounds its force, gamepad or joystick, SpaceMouse; or puts "
+     "them away.",
+     when::always, panel},
+    {"device.open", "", "", "", "NAME",
+     "Opens a force-feedback device, whose hand leads the tool when it comes: bridge, bridge:PORT, or path or serial "
+     "number. The open document goes on in a session that the device can bear.",
+     when::isIdle, open},
+    {"device.close", "Device", "Close the device", "", "", "Takes all force away and gives the tool back to the mouse.",
+     isOpen, close},
+    {"device.arm", "Device", "Arm: let it give force", "", "",
+     "Lets the device give force from now on, faded in. Keep a hand on it.", isOpen, arm},
+    {"device.disarm", "Device", "Disarm: no force", "F8", "", "Takes the force away at once; the hand leads on.",
+     isOpen, disarm},
+    {"device.fit", "Device", "Make the session fit the device", "", "",
+     "Goes on in a session of its own, coupled as the device can bear it now.", when::isOpenAndIdle, fit},
+    {"device.force", "", "", "", "NEWTONS", "Bounds the force of the device, 0.1 to 20 N; it may bound it more.",
+     when::always, force},
+    {"device.scale", "", "", "", "FACTOR", "Sets how many mm of the scene a mm of the hand is, 0.05 to 5.",
+     when::always, scale},
+    {"device.turn", "", "", "", "DEG", "Turns the device about the scene's z axis.", when::always, turn},
+    {"device.pedal", "", "", "", "[on|off]", "Lets the drive turn without button 1 of the device.", when::always,
+     pedal},
+    {"device.profile", "", "", "", "MS KG N MM",
+     "Says what the device is like: delay, mass, friction, step of its encoder. The next session is coupled by it.",
+     when::always, profile},
+    {"device.place", "", "", "", "X Y Z",
+     "Puts the tip of the tool there, mm: where the hand is now means that place from now on.", isLeading, place},
+    {"device.test", "Device", "Test force: 0.5 N up", "", "[NEWTONS [X Y Z]]",
+     "Pushes the hand gently for 1.5 s, at most 1 N, along a direction of the device; up if not told.", isArmed, test},
+};
+
+}  // namespace
+
+std::span<const AppCommand> table() { return kRows; }
+
 std::string deviceState(const AppContext& c) {
-  const ArmView v = c.bench.arm().view();
+  const ArmView v = c.bench.device->arm().view();
   const auto list = [](const Vec3d& p) { return nlohmann::json{p[0], p[1], p[2]}; };
   const nlohmann::json j{{"device", v.what},
                          {"is_there", v.is_there},

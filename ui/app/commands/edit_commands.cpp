@@ -1,16 +1,21 @@
-#include "ui/app/commands/edit_commands.h"
+#include "ui/app/commands/command_tables.h"
 
 #include <fmt/format.h>
 
+#include "ui/app/document/document.h"
+#include "ui/app/document/jobs.h"
+#include "ui/app/workbench/steps.h"
+
 namespace kerf::edit_commands {
+namespace {
 
 Expected<void> undo(AppContext& c, AppWords) {
-  c.bench.undo();
+  c.bench.steps->undo();
   return {};
 }
 
 Expected<void> redo(AppContext& c, AppWords) {
-  c.bench.redo();
+  c.bench.steps->redo();
   return {};
 }
 
@@ -18,24 +23,52 @@ Expected<void> go(AppContext& c, AppWords words) {
   KERF_TRY(step, numberOf(words, 0, "STEP", 0, 1e9));
   const auto whole = static_cast<std::uint64_t>(step);
   if (static_cast<double>(whole) != step) return wrongWord(fmt::format("step {}", step), "a whole number");
-  return c.bench.goToStep(whole);
+  return c.bench.steps->goToStep(whole);
 }
 
-Expected<void> begin(AppContext& c, AppWords) { return c.bench.goToStep(c.bench.timeline().older()); }
+Expected<void> begin(AppContext& c, AppWords) { return c.bench.steps->goToStep(c.bench.steps->timeline().older()); }
 
 Expected<void> end(AppContext& c, AppWords) {
-  const Timeline& timeline = c.bench.timeline();
-  return c.bench.goToStep(timeline.older() + timeline.steps().size());
+  const Timeline& timeline = c.bench.steps->timeline();
+  return c.bench.steps->goToStep(timeline.older() + timeline.steps().size());
 }
 
-bool hasBranches(const AppContext& c) { return c.bench.isOpen() && !c.bench.job() && c.bench.branchCount() > 0; }
+bool hasBranches(const AppContext& c) {
+  return c.bench.document->isOpen() && !c.bench.jobs->running() && c.bench.steps->branchCount() > 0;
+}
 
 Expected<void> branch(AppContext& c, AppWords words) {
-  const auto count = static_cast<double>(c.bench.branchCount());
+  const auto count = static_cast<double>(c.bench.steps->branchCount());
   KERF_TRY(n, numberOr(words, 0, count, "N", 1, count));
   const auto whole = static_cast<std::size_t>(n);
   if (static_cast<double>(whole) != n) return wrongWord(fmt::format("branch {}", n), "a whole number");
-  return c.bench.takeBranch(whole - 1);
+  return c.bench.steps->takeBranch(whole - 1);
 }
+
+Expected<void> showPalette(AppContext& c, AppWords) {
+  c.wants_palette = true;
+  return {};
+}
+
+constexpr AppCommand kRows[] = {
+    {"edit.undo", "Edit:1", "Undo", "Ctrl+Z", "", "Takes back the last stroke.", when::isOpen, undo},
+    {"edit.redo", "Edit:1", "Redo", "Ctrl+Y", "", "Does the stroke again that was taken back last.", when::isOpen,
+     redo},
+    {"edit.go", "", "", "", "STEP", "Goes to the end of a step of the timeline; 0 is the beginning.", when::isOpen, go},
+    {"edit.begin", "Edit:1", "Back to the beginning", "Ctrl+Home", "",
+     "Takes back all steps, as far back as they are kept.", when::isOpen, begin},
+    {"edit.end", "Edit:1", "Forward to the last step", "Ctrl+End", "", "Does all steps again that were taken back.",
+     when::isOpen, end},
+    {"edit.branch", "Edit:1", "Go on with a branch", "", "[N]",
+     "Goes on with steps that were taken back before others were cut, in a session of its own; N as on the timeline, "
+     "if not told the last. What is open is kept, and is a branch then.",
+     hasBranches, branch},
+    {"palette.show", "Edit:2", "Commands...", "Ctrl+Shift+P", "", "Finds a command by words and runs it.", when::always,
+     showPalette},
+};
+
+}  // namespace
+
+std::span<const AppCommand> table() { return kRows; }
 
 }  // namespace kerf::edit_commands

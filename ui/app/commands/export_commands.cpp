@@ -1,11 +1,15 @@
-#include "ui/app/commands/export_commands.h"
+#include "ui/app/commands/command_tables.h"
 
 #include <optional>
 #include <string>
 
 #include "ui/app/base/command_words.h"
-#include "ui/app/commands/settings.h"
+#include "ui/app/settings/settings.h"
+#include "ui/app/document/document.h"
+#include "ui/app/document/jobs.h"
 #include "ui/app/workbench/export_plan.h"
+#include "ui/app/workbench/imports.h"
+#include "ui/app/workbench/scene_neighbours.h"
 
 namespace kerf::export_commands {
 namespace {
@@ -17,27 +21,25 @@ std::optional<ExportChoice> choiceOf(const AppContext& c, AppWords words) {
   if (what == "put-back") return ExportChoice{.is_put_back = true};
   if (what == "each") return ExportChoice{.is_each = true};
   if (what == "beside") {
-    const SceneObject* const object = c.bench.findNeighbour(name);
+    const SceneObject* const object = c.bench.neighbours->find(name);
     return object ? std::optional(ExportChoice{.beside = object->loaded}) : std::nullopt;
   }
   if (what != "piece") return {};
-  const auto shown = c.bench.scene().shown();
+  const auto shown = c.bench.document->scene().shown();
   for (std::size_t n = 0; n < shown.size(); ++n)
     if (!shown[n]->isBeside() && (shown[n]->name == name || std::to_string(n + 1) == name))
       return ExportChoice{.only = shown[n]->id};
   return {};
 }
 
-}  // namespace
-
-bool isShown(const AppContext& c) { return c.bench.exporting().isShown(); }
+bool isShown(const AppContext& c) { return c.bench.exporting->isShown(); }
 bool canShow(const AppContext& c) {
-  return isShown(c) || (c.bench.isOpen() && !c.bench.isImporting() && !c.bench.job());
+  return isShown(c) || (c.bench.document->isOpen() && !c.bench.imports->isImporting() && !c.bench.jobs->running());
 }
-bool isWritten(const AppContext& c) { return c.bench.exporting().written().has_value(); }
+bool isWritten(const AppContext& c) { return c.bench.exporting->written().has_value(); }
 
 Expected<void> show(AppContext& c, AppWords words) {
-  ExportPlan& plan = c.bench.exporting();
+  ExportPlan& plan = *c.bench.exporting;
   if (!words.empty() && words[0] != "on" && words[0] != "off") return wrongWord("\"" + words[0] + "\"", "on or off");
   const bool is_wanted = words.empty() ? !plan.isShown() : words[0] == "on";
   if (!is_wanted)
@@ -48,7 +50,7 @@ Expected<void> show(AppContext& c, AppWords words) {
 }
 
 Expected<void> choose(AppContext& c, AppWords words) {
-  ExportPlan& plan = c.bench.exporting();
+  ExportPlan& plan = *c.bench.exporting;
   const auto choice = choiceOf(c, words);
   std::string offered;
   for (const ExportOffer& offer : plan.offers()) {
@@ -63,16 +65,16 @@ Expected<void> choose(AppContext& c, AppWords words) {
 }
 
 Expected<void> format(AppContext& c, AppWords words) {
-  return c.bench.exporting().setFormat(words.empty() ? std::string() : words[0]);
+  return c.bench.exporting->setFormat(words.empty() ? std::string() : words[0]);
 }
 
 Expected<void> to(AppContext& c, AppWords words) {
   KERF_TRY(path, pathOf(words));
-  return c.bench.exporting().setFile(path);
+  return c.bench.exporting->setFile(path);
 }
 
 Expected<void> check(AppContext& c, AppWords) {
-  c.bench.exporting().check();
+  c.bench.exporting->check();
   return {};
 }
 
@@ -82,7 +84,7 @@ Expected<void> write(AppContext& c, AppWords words) {
     if (word != "replace" && word != "anyway") return wrongWord("\"" + word + "\"", "replace, anyway, or nothing");
     (word == "replace" ? permission.may_replace : permission.may_be_doubtful) = true;
   }
-  ExportPlan& plan = c.bench.exporting();
+  ExportPlan& plan = *c.bench.exporting;
   plan.write(permission);
   if (!plan.asksToReplace()) return {};
   return fail({.code = Error::Code::kBadValue,
@@ -92,6 +94,28 @@ Expected<void> write(AppContext& c, AppWords words) {
                .hint = "export.write replace, or export.to"});
 }
 
-Expected<void> showInFolder(AppContext& c, AppWords) { return c.bench.exporting().showInFolder(); }
+Expected<void> showInFolder(AppContext& c, AppWords) { return c.bench.exporting->showInFolder(); }
+
+constexpr AppCommand kRows[] = {
+    {"export.show", "File:3", "Export...", "Ctrl+E", "[on|off]",
+     "Shows what is exported, in which format and where to, and checks it; or puts that away.", canShow, show},
+    {"export.pieces", "", "", "", "WHICH [NAME]",
+     "Chooses what is exported: all in one file, each piece in a file of its own, put-back, piece NAME, beside NAME.",
+     isShown, choose},
+    {"export.format", "", "", "", "FORMAT",
+     "Chooses the format of the file by its name: stl, 3mf or another that is written.", isShown, format},
+    {"export.to", "", "", "", "PATH", "Chooses the file that is written; its ending is the format.", isShown, to},
+    {"export.check", "", "", "", "", "Checks again what would be exported, without writing it.", isShown, check},
+    {"export.write", "", "", "", "[replace] [anyway]",
+     "Writes the file, reads it back and checks it; replace: one that is there already; anyway: also what is not ready "
+     "to print.",
+     isShown, write},
+    {"export.show-in-folder", "File:3", "Show what was exported in its folder", "", "",
+     "Shows what was exported last in the file manager of the desktop.", isWritten, showInFolder},
+};
+
+}  // namespace
+
+std::span<const AppCommand> table() { return kRows; }
 
 }  // namespace kerf::export_commands

@@ -1,11 +1,15 @@
-#include "ui/app/commands/file_commands.h"
+#include "ui/app/commands/command_tables.h"
 
 #include <fmt/format.h>
 
 #include <charconv>
 #include <string>
 
-namespace kerf {
+#include "ui/app/document/file_history.h"
+#include "ui/app/document/jobs.h"
+#include "ui/app/workbench/imports.h"
+
+namespace kerf::file_commands {
 namespace {
 
 // Counts from 1.
@@ -20,33 +24,100 @@ Expected<std::size_t> indexOf(AppWords words, std::size_t count, bool may_be_lef
                .expected = fmt::format("N: 1 to {}", count)});
 }
 
-}  // namespace
-
-bool hasRecent(const AppContext& c) { return !c.bench.recent().list().empty() && !c.bench.job(); }
-bool hasLostSession(const AppContext& c) { return !c.bench.lostSessions().empty() && !c.bench.job(); }
+bool hasRecent(const AppContext& c) { return !c.bench.history->recent().list().empty() && !c.bench.jobs->running(); }
+bool hasLostSession(const AppContext& c) {
+  return !c.bench.history->lostSessions().empty() && !c.bench.jobs->running();
+}
 
 Expected<void> recentOpen(AppContext& c, AppWords words) {
-  KERF_TRY(n, indexOf(words, c.bench.recent().list().size(), true));
-  c.bench.beginImport(c.bench.recent().list()[n].path);
+  KERF_TRY(n, indexOf(words, c.bench.history->recent().list().size(), true));
+  c.bench.imports->begin(c.bench.history->recent().list()[n].path);
   return {};
 }
 
 Expected<void> recentForget(AppContext& c, AppWords words) {
-  KERF_TRY(n, indexOf(words, c.bench.recent().list().size(), false));
-  c.bench.forgetRecent(n);
+  KERF_TRY(n, indexOf(words, c.bench.history->recent().list().size(), false));
+  c.bench.history->forgetRecent(n);
   return {};
 }
 
 Expected<void> sessionForget(AppContext& c, AppWords words) {
-  KERF_TRY(n, indexOf(words, c.bench.lostSessions().size(), false));
+  KERF_TRY(n, indexOf(words, c.bench.history->lostSessions().size(), false));
   if (words.size() < 2 || words[1] != "delete")
     return fail({.code = Error::Code::kBadValue,
-                 .file = c.bench.lostSessions()[n].folder.string(),
+                 .file = c.bench.history->lostSessions()[n].folder.string(),
                  .found = "a log that would be lost",
                  .expected = "the word delete behind the number",
                  .hint = "session.recover brings back what was cut in it"});
-  c.bench.forgetLost(n);
+  c.bench.history->forgetLost(n);
   return {};
 }
 
-}  // namespace kerf
+bool hasJob(const AppContext& c) { return c.bench.jobs->running() != nullptr; }
+bool hasLost(const AppContext& c) { return !c.bench.history->lostSessions().empty() && when::isIdle(c); }
+
+Expected<void> openFile(AppContext& c, AppWords words) {
+  KERF_TRY(path, pathOf(words));
+  c.bench.sessions->open(path);
+  return {};
+}
+
+Expected<void> openDemo(AppContext& c, AppWords words) {
+  const auto names = demoNames();
+  std::string list;
+  for (const char* name : names) {
+    list += (list.empty() ? "" : ", ") + std::string(name);
+    if (words.empty() || words[0] != name) continue;
+    c.bench.sessions->openDemo(name);
+    return {};
+  }
+  return wrongWord(words.empty() ? "no demo" : "\"" + words[0] + "\"", "one of " + list);
+}
+
+Expected<void> exportFile(AppContext& c, AppWords words) {
+  KERF_TRY(path, pathOf(words));
+  c.bench.results->exportTo(path);
+  return {};
+}
+
+Expected<void> closeSession(AppContext& c, AppWords) {
+  c.bench.sessions->close();
+  return {};
+}
+
+Expected<void> recover(AppContext& c, AppWords words) {
+  KERF_TRY(n, numberOr(words, 0, 1, "N", 1, 1e6));
+  c.bench.history->recover(static_cast<std::size_t>(n) - 1);
+  return {};
+}
+
+Expected<void> cancelJob(AppContext& c, AppWords) {
+  c.bench.jobs->cancel();
+  return {};
+}
+
+constexpr AppCommand kRows[] = {
+    {"file.open", "File:1", "Open...", "Ctrl+O", "PATH",
+     "Opens a scan, a recipe or a case to cut; a scan is prepared first.", when::isIdle, openFile},
+    {"file.demo", "", "", "", "NAME", "Opens one of our own: molar, mandible or arch.", when::isIdle, openDemo},
+    {"file.export", "", "", "", "PATH", "Writes the cut object as a mesh, reads it back and checks it.",
+     when::isOpenAndIdle, exportFile},
+    {"file.close", "File:4", "End the session", "Ctrl+W", "",
+     "Writes the session as a run that can be replayed and exported.", when::isOpenAndIdle, closeSession},
+    {"session.recover", "File:4", "Recover a session", "", "[N]",
+     "Finishes a session whose program was killed; 1 is the newest.", hasLost, recover},
+    {"session.forget", "", "", "", "N delete", "Deletes a lost session with its log, for good.", hasLostSession,
+     sessionForget},
+    {"recent.open", "File:6", "Open the last file again", "Ctrl+Shift+O", "[N]",
+     "Opens a file that was opened before; 1 is the newest.", hasRecent, recentOpen},
+    {"recent.forget", "", "", "", "N", "Takes a file off the list of recent files; the file stays.", hasRecent,
+     recentForget},
+    {"job.cancel", "File:7", "Cancel what is under way", "", "",
+     "Ends the job under way and leaves nothing of it behind.", hasJob, cancelJob},
+};
+
+}  // namespace
+
+std::span<const AppCommand> table() { return kRows; }
+
+}  // namespace kerf::file_commands

@@ -9,7 +9,12 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-namespace kerf {
+#include "ui/app/commands/command_tables.h"
+#include "ui/app/document/document.h"
+#include "ui/app/document/jobs.h"
+#include "ui/app/workbench/imports.h"
+
+namespace kerf::import_commands {
 namespace {
 
 using Way = ClosingChoice::Way;
@@ -36,79 +41,73 @@ Expected<double> lengthOf(const std::string& word) {
   return value;
 }
 
-}  // namespace
-
-bool isImporting(const AppContext& c) { return c.bench.importSet() && !c.bench.job(); }
-bool isImportingScan(const AppContext& c) { return isImporting(c) && c.bench.importSet()->scan(); }
-bool isImportingLabels(const AppContext& c) { return isImporting(c) && c.bench.importSet()->labels(); }
-bool isImportingSeveral(const AppContext& c) { return isImporting(c) && c.bench.importSet()->isSeveral(); }
-bool isImportingTool(const AppContext& c) { return isImporting(c) && c.bench.importSet()->tool(); }
-
-bool isPreviewing(const AppContext& c) {
-  const PreviewedPlan* const plan = isImporting(c) ? c.bench.importSet()->plan() : nullptr;
-  return plan && plan->isPreviewComing();
-}
+bool isImporting(const AppContext& c) { return c.bench.imports->set() && !c.bench.jobs->running(); }
+bool isImportingScan(const AppContext& c) { return isImporting(c) && c.bench.imports->set()->scan(); }
+bool isImportingLabels(const AppContext& c) { return isImporting(c) && c.bench.imports->set()->labels(); }
+bool isImportingSeveral(const AppContext& c) { return isImporting(c) && c.bench.imports->set()->isSeveral(); }
+bool isImportingTool(const AppContext& c) { return isImporting(c) && c.bench.imports->set()->tool(); }
 
 Expected<void> importRead(AppContext& c, AppWords words) {
   if (importWordOf(words, 0).empty()) return notAWord("", "the path of a scan");
-  c.bench.beginImports({words.begin(), words.end()});
+  c.bench.imports->beginAll({words.begin(), words.end()});
   return {};
 }
 
 Expected<void> importAdd(AppContext& c, AppWords words) {
   if (importWordOf(words, 0).empty()) return notAWord("", "the path of a scan");
-  c.bench.importMore({words.begin(), words.end()});
+  c.bench.imports->addMore({words.begin(), words.end()});
   return {};
 }
 
 Expected<void> importChoose(AppContext& c, AppWords words) {
-  ImportSet& set = *c.bench.importSet();
+  ImportSet& set = *c.bench.imports->set();
   KERF_TRY(n, numberOf(words, 0, "N", 1, static_cast<double>(set.entries().size())));
   set.choose(static_cast<std::size_t>(n) - 1);
   return {};
 }
 
 Expected<void> importRole(AppContext& c, AppWords words) {
-  ImportSet& set = *c.bench.importSet();
+  ImportSet& set = *c.bench.imports->set();
   KERF_TRY(n, numberOf(words, 0, "N", 1, static_cast<double>(set.entries().size())));
   for (const auto& [name, role] : kRoles)
-    if (importWordOf(words, 1) == name) return set.setRole(static_cast<std::size_t>(n) - 1, role, c.bench.isOpen());
+    if (importWordOf(words, 1) == name)
+      return set.setRole(static_cast<std::size_t>(n) - 1, role, c.bench.document->isOpen());
   return notAWord(importWordOf(words, 1), "cut, beside, out or tool");
 }
 
 Expected<void> importToolAxis(AppContext& c, AppWords words) {
   if (importWordOf(words, 0).empty()) return notAWord("", "+x, -x, +y, -y, +z, -z, length, -length, thin-end or auto");
-  return c.bench.importSet()->tool()->setWay(words[0]);
+  return c.bench.imports->set()->tool()->setWay(words[0]);
 }
 
 Expected<void> importToolCut(AppContext& c, AppWords words) {
   KERF_TRY(mm, lengthOf(importWordOf(words, 0)));
-  return c.bench.importSet()->tool()->setCutBelow(mm);
+  return c.bench.imports->set()->tool()->setCutBelow(mm);
 }
 
 Expected<void> importTissue(AppContext& c, AppWords words) {
   KERF_TRY(label, numberOf(words, 0, "LABEL", 1, 65535));
   if (importWordOf(words, 1).empty()) return notAWord("", "a tissue, or none");
-  return c.bench.importSet()->labels()->setTissue(static_cast<std::uint16_t>(label), words[1]);
+  return c.bench.imports->set()->labels()->setTissue(static_cast<std::uint16_t>(label), words[1]);
 }
 
 Expected<void> importUnit(AppContext& c, AppWords words) {
   if (importWordOf(words, 0).empty()) return notAWord("", "mm, cm, m, um or inch");
-  return c.bench.importPlan()->setUnit(words[0]);
+  return c.bench.imports->plan()->setUnit(words[0]);
 }
 
 Expected<void> importClose(AppContext& c, AppWords words) {
-  ClosingChoice choice = c.bench.importPlan()->closing();
+  ClosingChoice choice = c.bench.imports->plan()->closing();
   for (const auto& [name, way] : kWays) {
     if (importWordOf(words, 0) != name) continue;
     choice.way = way;
-    return c.bench.importPlan()->setClosing(choice);
+    return c.bench.imports->plan()->setClosing(choice);
   }
   return notAWord(importWordOf(words, 0), "automatic, base, holes or wrap");
 }
 
 Expected<void> importBase(AppContext& c, AppWords words) {
-  ClosingChoice choice = c.bench.importPlan()->closing();
+  ClosingChoice choice = c.bench.imports->plan()->closing();
   const std::string shape = importWordOf(words, 0);
   if (shape != "horseshoe" && shape != "full") return notAWord(shape, "horseshoe or full");
   choice.is_full_base = shape == "full";
@@ -116,43 +115,43 @@ Expected<void> importBase(AppContext& c, AppWords words) {
     KERF_TRY(mm, lengthOf(words[1]));
     choice.base_mm = mm;
   }
-  return c.bench.importPlan()->setClosing(choice);
+  return c.bench.imports->plan()->setClosing(choice);
 }
 
 Expected<void> importSmooth(AppContext& c, AppWords words) {
-  ClosingChoice choice = c.bench.importPlan()->closing();
+  ClosingChoice choice = c.bench.imports->plan()->closing();
   KERF_TRY(mm, lengthOf(importWordOf(words, 0)));
   choice.smooth_mm = mm;
-  return c.bench.importPlan()->setClosing(choice);
+  return c.bench.imports->plan()->setClosing(choice);
 }
 
 Expected<void> importPlane(AppContext& c, AppWords words) {
-  ClosingChoice choice = c.bench.importPlan()->closing();
+  ClosingChoice choice = c.bench.imports->plan()->closing();
   const std::string word = importWordOf(words, 0);
   if (word != "on" && word != "off") return notAWord(word, "on or off");
   choice.follows_occlusal_plane = word == "on";
-  return c.bench.importPlan()->setClosing(choice);
+  return c.bench.imports->plan()->setClosing(choice);
 }
 
 Expected<void> importHoles(AppContext& c, AppWords words) {
-  ClosingChoice choice = c.bench.importPlan()->closing();
+  ClosingChoice choice = c.bench.imports->plan()->closing();
   choice.holes_up_to_mm.reset();
   if (importWordOf(words, 0) != "auto") {
     KERF_TRY(mm, lengthOf(importWordOf(words, 0)));
     choice.holes_up_to_mm = mm;
   }
-  return c.bench.importPlan()->setClosing(choice);
+  return c.bench.imports->plan()->setClosing(choice);
 }
 
 Expected<void> importWrap(AppContext& c, AppWords words) {
-  ClosingChoice choice = c.bench.importPlan()->closing();
+  ClosingChoice choice = c.bench.imports->plan()->closing();
   KERF_TRY(mm, lengthOf(importWordOf(words, 0)));
   choice.wrap_mm = mm;
-  return c.bench.importPlan()->setClosing(choice);
+  return c.bench.imports->plan()->setClosing(choice);
 }
 
 Expected<void> importVoxel(AppContext& c, AppWords words) {
-  const ImportSet& set = *c.bench.importSet();
+  const ImportSet& set = *c.bench.imports->set();
   const auto setVoxel = [&](double mm) -> Expected<void> {
     if (set.scan()) return set.scan()->setVoxel(mm);
     if (set.labels()) return set.labels()->setVoxel(mm);
@@ -165,21 +164,19 @@ Expected<void> importVoxel(AppContext& c, AppWords words) {
 }
 
 Expected<void> importPreview(AppContext& c, AppWords) {
-  if (PreviewedPlan* const plan = c.bench.importSet()->plan()) plan->startPreview();
+  if (PreviewedPlan* const plan = c.bench.imports->set()->plan()) plan->startPreview();
   return {};
 }
 
 Expected<void> importStart(AppContext& c, AppWords) {
-  c.bench.startImport();
+  c.bench.imports->start();
   return {};
 }
 
 Expected<void> importCancel(AppContext& c, AppWords) {
-  c.bench.cancelImport();
+  c.bench.imports->cancel();
   return {};
 }
-
-namespace {
 
 void addScan(nlohmann::json& j, const ImportPlan& plan) {
   const Vec3d size = plan.unit().size_mm;
@@ -227,7 +224,60 @@ const char* importNameOf(ImportRole role) {
   return row->first;
 }
 
+constexpr AppCommand kRows[] = {
+    {"import.read", "", "", "", "PATH...",
+     "Reads scans or label volumes and shows what was found in them, before they are prepared: the first is to be cut, "
+     "the others stand beside it. A recipe, a case or a run alone is opened.",
+     when::isIdle, importRead},
+    {"import.add", "File:2", "Import one more...", "", "PATH",
+     "Reads one more, to stand beside what is looked at already.", isImporting, importAdd},
+    {"import.choose", "", "", "", "N", "Shows the choices about one of several files.", isImportingSeveral,
+     importChoose},
+    {"import.role", "", "", "", "N cut|beside|out|tool",
+     "Says what becomes of a file: it is cut, it stands beside, it is left out, or a mesh becomes a tool of the rack. "
+     "While something is open a file alone may stand beside that.",
+     isImporting, importRole},
+    {"import.tool-axis", "", "", "", "WAY",
+     "Says which way a mesh that becomes a tool is held, from its tip to its shank: +x, -x, +y, -y, +z, -z, length, "
+     "-length, thin-end, or auto: its thinnest end is the tip.",
+     isImportingTool, importToolAxis},
+    {"import.tool-cut", "", "", "", "MM", "Says how far above its tip it cuts, 0.1 to 50 mm.", isImportingTool,
+     importToolCut},
+    {"import.tissue", "", "", "", "LABEL TISSUE|none",
+     "Says which tissue a label of a CT is: an id of materials.toml; none leaves it out.", isImportingLabels,
+     importTissue},
+    {"import.unit", "", "", "", "UNIT", "Takes the scan as mm, cm, m, um or inch.", isImportingScan, importUnit},
+    {"import.close", "", "", "", "WAY", "Chooses what closes the scan: automatic, base, holes or wrap.",
+     isImportingScan, importClose},
+    {"import.base", "", "", "", "SHAPE [MM]",
+     "Gives the base its shape, horseshoe or full, and its thickness below the scan, 2 mm if not told.",
+     isImportingScan, importBase},
+    {"import.smooth", "", "", "", "MM",
+     "Lets the walls of a horseshoe have no waves shorter than that, 0 to 20 mm; 0: straight under the rim.",
+     isImportingScan, importSmooth},
+    {"import.plane", "", "", "", "on|off", "Makes the base parallel to the occlusal plane.", isImportingScan,
+     importPlane},
+    {"import.holes", "", "", "", "MM|auto", "Fills holes up to that length around; a longer one is a rim.",
+     isImportingScan, importHoles},
+    {"import.wrap", "", "", "", "MM", "Sets how wide hollows may be that a wrap bridges.", isImportingScan, importWrap},
+    {"import.voxel", "", "", "", "MM|auto", "Sets the voxel size, 0.02 to 0.5 mm.", isImporting, importVoxel},
+    {"import.preview", "File:2", "Preview the closed scan", "", "",
+     "Closes the scan and shows the solid; of labels the smooth surface around their tissues.", isImporting,
+     importPreview},
+    {"import.start", "File:2", "Prepare and cut", "Enter", "", "Prepares all as chosen and opens it.", isImporting,
+     importStart},
+    {"import.cancel", "File:2", "Put the scan away", "Esc", "", "Leaves the files alone and goes back.", isImporting,
+     importCancel},
+};
+
 }  // namespace
+
+std::span<const AppCommand> table() { return kRows; }
+
+bool isPreviewing(const AppContext& c) {
+  const PreviewedPlan* const plan = isImporting(c) ? c.bench.imports->set()->plan() : nullptr;
+  return plan && plan->isPreviewComing();
+}
 
 std::string importState(const ImportSet& set) {
   const ImportEntry& chosen = set.entries()[set.chosen()];
@@ -255,4 +305,4 @@ std::string importState(const ImportSet& set) {
   return j.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-}  // namespace kerf
+}  // namespace kerf::import_commands

@@ -1,17 +1,23 @@
-#include "ui/app/commands/neighbour_commands.h"
+#include "ui/app/commands/command_tables.h"
 
 #include <algorithm>
 #include <optional>
 #include <string>
 
 #include "ui/app/base/command_words.h"
+#include "ui/app/document/document.h"
+#include "ui/app/document/jobs.h"
+#include "ui/app/workbench/results.h"
+#include "ui/app/workbench/scene_neighbours.h"
+#include "ui/app/workbench/scene_pieces.h"
+#include "ui/app/workbench/strokes.h"
 
 namespace kerf::neighbour_commands {
 namespace {
 
 // The neighbour named by the n-th word. Without that word: the most cut one, or the first.
 Expected<const SceneObject*> neighbourOf(const AppContext& c, AppWords words, std::size_t n) {
-  const std::vector<Neighbour> all = c.bench.neighbours();
+  const std::vector<Neighbour> all = c.bench.neighbours->list();
   std::string wanted, names;
   const Neighbour* most = nullptr;
   for (const Neighbour& other : all) {
@@ -22,24 +28,24 @@ Expected<const SceneObject*> neighbourOf(const AppContext& c, AppWords words, st
     wanted = words[n];
   else if (most)
     wanted = most->name;
-  if (const SceneObject* const found = c.bench.findNeighbour(wanted)) return found;
+  if (const SceneObject* const found = c.bench.neighbours->find(wanted)) return found;
   return wrongWord("\"" + wanted + "\"", names.empty() ? "something that stands beside" : "one of " + names);
 }
 
-}  // namespace
-
-bool hasNeighbours(const AppContext& c) { return c.bench.run() && !c.bench.run()->neighbours().empty(); }
-bool hasNeighboursAndIdle(const AppContext& c) { return hasNeighbours(c) && !c.bench.job(); }
+bool hasNeighbours(const AppContext& c) {
+  return c.bench.document->run() && !c.bench.document->run()->neighbours().empty();
+}
+bool hasNeighboursAndIdle(const AppContext& c) { return hasNeighbours(c) && !c.bench.jobs->running(); }
 
 Expected<void> openBeside(AppContext& c, AppWords words) {
   KERF_TRY(path, pathOf(words));
-  c.bench.openBeside(path);
+  c.bench.neighbours->openBeside(path);
   return {};
 }
 
 Expected<void> workOn(AppContext& c, AppWords words) {
   KERF_TRY(object, neighbourOf(c, words, 0));
-  c.bench.workOn(object->loaded);
+  c.bench.neighbours->workOn(object->loaded);
   return {};
 }
 
@@ -48,26 +54,47 @@ Expected<void> look(AppContext& c, AppWords words) {
   KERF_TRY(object, neighbourOf(c, words, 0));
   if (words[1] != "show" && words[1] != "ghost" && words[1] != "hide")
     return wrongWord("\"" + words[1] + "\"", "show, ghost or hide");
-  c.bench.hidePiece(object->id, words[1] == "hide");
-  c.bench.ghostNeighbour(object->id, words[1] == "ghost");
+  c.bench.pieces->hide(object->id, words[1] == "hide");
+  c.bench.neighbours->makeGhost(object->id, words[1] == "ghost");
   return {};
 }
 
 Expected<void> stopShort(AppContext& c, AppWords words) {
   if (!words.empty() && words[0] == "off") {
-    c.bench.stopShortBeside(std::nullopt);
+    c.bench.strokes->stopShortBeside(std::nullopt);
     return {};
   }
-  KERF_TRY(mm, numberOr(words, 0, Workbench::kUsualShortBeside, "MM", 0, 2));
-  c.bench.stopShortBeside(mm);
+  KERF_TRY(mm, numberOr(words, 0, Strokes::kUsualShortBeside, "MM", 0, 2));
+  c.bench.strokes->stopShortBeside(mm);
   return {};
 }
 
 Expected<void> exportBeside(AppContext& c, AppWords words) {
   KERF_TRY(path, pathOf(words));
   KERF_TRY(object, neighbourOf(c, words, 1));
-  c.bench.exportTo(path, {.beside = object->loaded});
+  c.bench.results->exportTo(path, {.beside = object->loaded});
   return {};
 }
+
+constexpr AppCommand kRows[] = {
+    {"file.open-beside", "File:1", "Open beside...", "", "PATH",
+     "Places a scan, a recipe or a case beside what is open, where its scan is: a neighbouring tooth, the other jaw.",
+     when::isIdle, openBeside},
+    {"file.export-beside", "", "", "", "PATH [NEIGHBOUR]",
+     "Writes a neighbour with what was cut off it; if not told, the one that was cut most.", hasNeighboursAndIdle,
+     exportBeside},
+    {"cut.spare-neighbours", "", "", "", "[MM|off]",
+     "Strokes stop that far short of what stands beside, 0.2 mm if not told.", when::always, stopShort},
+    {"neighbour.look", "", "", "", "NEIGHBOUR show|ghost|hide",
+     "Shows what stands beside, makes it a ghost that is not pointed at, or hides it; the tool meets it all the same.",
+     hasNeighbours, look},
+    {"neighbour.work-on", "Piece", "Work on the neighbour", "", "[NEIGHBOUR]",
+     "Ends the session and opens the neighbour to be cut, as in its case; what was worked on stands beside it.",
+     hasNeighboursAndIdle, workOn},
+};
+
+}  // namespace
+
+std::span<const AppCommand> table() { return kRows; }
 
 }  // namespace kerf::neighbour_commands

@@ -1,4 +1,4 @@
-#include "ui/app/commands/piece_commands.h"
+#include "ui/app/commands/command_tables.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,10 @@
 #include <numbers>
 
 #include "ui/app/base/command_words.h"
+#include "ui/app/document/document.h"
 #include "ui/app/view/piece_colours.h"
+#include "ui/app/workbench/results.h"
+#include "ui/app/workbench/scene_pieces.h"
 
 namespace kerf::piece_commands {
 namespace {
@@ -14,13 +17,13 @@ namespace {
 constexpr double kFarMove = 1000;  // mm
 
 Expected<const SceneObject*> chosen(const AppContext& c) {
-  if (const SceneObject* const piece = c.bench.chosenPiece()) return piece;
+  if (const SceneObject* const piece = c.bench.pieces->chosen()) return piece;
   return wrongWord("no piece is chosen", "one of the pieces", "piece.choose 2");
 }
 
 // By name, or by number in the list.
 Expected<const SceneObject*> named(const AppContext& c, const std::string& word) {
-  const auto shown = c.bench.scene().shown();
+  const auto shown = c.bench.document->scene().shown();
   std::string names;
   for (std::size_t n = 0; n < shown.size(); ++n) {
     if (word == shown[n]->name || word == std::to_string(n + 1)) return shown[n];
@@ -47,29 +50,27 @@ Rigid3 turned(const Rigid3& pose, const Vec3d& middle, const Vec3d& axis, double
   return back * turn * there * pose;
 }
 
-}  // namespace
-
 bool arePieces(const AppContext& c) {
-  const auto shown = c.bench.scene().shown();
+  const auto shown = c.bench.document->scene().shown();
   const auto is_moved = [](const SceneObject* piece) { return piece->isMoved(); };
-  return c.bench.scene().pieceCount() > 1 || std::any_of(shown.begin(), shown.end(), is_moved);
+  return c.bench.document->scene().pieceCount() > 1 || std::any_of(shown.begin(), shown.end(), is_moved);
 }
 
-bool isChosen(const AppContext& c) { return c.bench.chosenPiece() != nullptr; }
+bool isChosen(const AppContext& c) { return c.bench.pieces->chosen() != nullptr; }
 
 Expected<void> choose(AppContext& c, AppWords words) {
   if (words.empty()) return wrongWord("no piece", "its name or number");
   KERF_TRY(object, named(c, words[0]));
-  c.bench.choosePiece(object->id);
+  c.bench.pieces->choose(object->id);
   return {};
 }
 
 Expected<void> chooseNext(AppContext& c, AppWords) {
-  const auto shown = c.bench.scene().shown();
+  const auto shown = c.bench.document->scene().shown();
   std::size_t next = 0;
   for (std::size_t n = 0; n < shown.size(); ++n)
-    if (shown[n] == c.bench.chosenPiece()) next = n + 1;
-  c.bench.choosePiece(next < shown.size() ? std::optional(shown[next]->id) : std::nullopt);
+    if (shown[n] == c.bench.pieces->chosen()) next = n + 1;
+  c.bench.pieces->choose(next < shown.size() ? std::optional(shown[next]->id) : std::nullopt);
   return {};
 }
 
@@ -81,7 +82,7 @@ Expected<void> move(AppContext& c, AppWords words) {
     KERF_TRY(mm, numberOf(words, static_cast<std::size_t>(axis), kNames[axis], -kFarMove, kFarMove));
     pose.translation[axis] += mm;
   }
-  c.bench.movePiece(piece->id, pose);
+  c.bench.pieces->move(piece->id, pose);
   return {};
 }
 
@@ -95,31 +96,31 @@ Expected<void> turn(AppContext& c, AppWords words) {
   if (axis < 0) return wrongWord("\"" + name + "\"", "X, Y or Z");
   KERF_TRY(degrees, numberOf(words, 1, "DEGREES", -360, 360));
   const Vec3d middle = piece->pose() * piece->surface.bounds().center();
-  c.bench.movePiece(piece->id, turned(piece->pose(), middle, Vec3d::Unit(axis), degrees));
+  c.bench.pieces->move(piece->id, turned(piece->pose(), middle, Vec3d::Unit(axis), degrees));
   return {};
 }
 
 Expected<void> putBack(AppContext& c, AppWords words) {
   KERF_TRY(piece, toMove(c, words, 0));
-  c.bench.movePiece(piece->id, {});
+  c.bench.pieces->move(piece->id, {});
   return {};
 }
 
 Expected<void> hide(AppContext& c, AppWords) {
   KERF_TRY(piece, chosen(c));
-  c.bench.hidePiece(piece->id, true);
+  c.bench.pieces->hide(piece->id, true);
   return {};
 }
 
 Expected<void> show(AppContext& c, AppWords) {
-  for (const SceneObject* const piece : c.bench.scene().shown()) c.bench.hidePiece(piece->id, false);
+  for (const SceneObject* const piece : c.bench.document->scene().shown()) c.bench.pieces->hide(piece->id, false);
   return {};
 }
 
 Expected<void> rename(AppContext& c, AppWords words) {
   KERF_TRY(piece, chosen(c));
   if (words.empty() || words[0].empty()) return wrongWord("no name", "a name, in quotes if it holds blanks");
-  c.bench.namePiece(piece->id, words[0]);
+  c.bench.pieces->rename(piece->id, words[0]);
   return {};
 }
 
@@ -140,27 +141,60 @@ Expected<void> colour(AppContext& c, AppWords words) {
     }
     name = words[0];
   }
-  c.bench.colourPiece(piece->id, name);
+  c.bench.pieces->colour(piece->id, name);
   return {};
 }
 
 Expected<void> exportEach(AppContext& c, AppWords words) {
   KERF_TRY(path, pathOf(words));
-  c.bench.exportTo(path, {.is_each = true});
+  c.bench.results->exportTo(path, {.is_each = true});
   return {};
 }
 
 Expected<void> exportChosen(AppContext& c, AppWords words) {
   KERF_TRY(path, pathOf(words));
   KERF_TRY(piece, chosen(c));
-  c.bench.exportTo(path, {.only = piece->id});
+  c.bench.results->exportTo(path, {.only = piece->id});
   return {};
 }
 
 Expected<void> exportPutBack(AppContext& c, AppWords words) {
   KERF_TRY(path, pathOf(words));
-  c.bench.exportTo(path, {.is_put_back = true});
+  c.bench.results->exportTo(path, {.is_put_back = true});
   return {};
 }
+
+bool hasPiecesAndIdle(const AppContext& c) { return piece_commands::arePieces(c) && when::isIdle(c); }
+bool isChosenAndIdle(const AppContext& c) { return piece_commands::isChosen(c) && when::isIdle(c); }
+
+constexpr AppCommand kRows[] = {
+    {"file.export-each", "", "", "", "PATH", "Writes a file a piece, NAME-PIECE.stl.", hasPiecesAndIdle, exportEach},
+    {"file.export-piece", "", "", "", "PATH", "Writes the chosen piece alone.", isChosenAndIdle, exportChosen},
+    {"file.export-put-back", "", "", "", "PATH",
+     "Writes all pieces where they were in the scan, wherever they were moved to.", hasPiecesAndIdle, exportPutBack},
+    {"piece.choose", "", "", "", "PIECE", "Chooses a piece by its name or number; moves are of that.", when::isOpen,
+     choose},
+    {"piece.next", "Piece", "Choose the next", "Tab", "", "Chooses the next piece, after the last one none.", arePieces,
+     chooseNext},
+    {"piece.move", "", "", "", "X Y Z [PIECE]",
+     "Moves a piece by so many mm: by its name or number, if not told the chosen one.", when::isOpen, move},
+    {"piece.turn", "", "", "", "X|Y|Z DEGREES [PIECE]",
+     "Turns a piece about its middle: by its name or number, if not told the chosen one.", when::isOpen, turn},
+    {"piece.put-back", "Piece", "Put back", "", "[PIECE]",
+     "Puts a piece back where it was in the scan: by its name or number, if not told the chosen one.", arePieces,
+     putBack},
+    {"piece.hide", "Piece", "Hide", "H", "", "Hides the chosen piece.", isChosen, hide},
+    {"piece.show-all", "Piece", "Show all", "Shift+H", "", "Shows all pieces.", when::isOpen, show},
+    {"piece.rename", "", "", "", "NAME", "Gives the chosen piece a name, for the list and for files.", when::isOpen,
+     rename},
+    {"piece.colour", "Piece", "Another colour", "", "[COLOUR|none]",
+     "Gives the chosen piece a colour in the picture, kept with the session: orange, sky, green, yellow, blue, "
+     "vermilion or purple; if not told, the next one.",
+     isChosen, colour},
+};
+
+}  // namespace
+
+std::span<const AppCommand> table() { return kRows; }
 
 }  // namespace kerf::piece_commands

@@ -1,4 +1,4 @@
-#include "ui/app/commands/point_commands.h"
+#include "ui/app/commands/command_tables.h"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,9 @@
 #include "geometry/base/text.h"
 #include "ui/app/base/command_words.h"
 #include "ui/app/commands/pointing.h"
-#include "ui/app/workbench/point_readout.h"
+#include "ui/app/document/document.h"
+#include "ui/app/document/view_state.h"
+#include "ui/app/readout/point_readout.h"
 
 namespace kerf::point_commands {
 namespace {
@@ -24,9 +26,7 @@ void putOut(const AppContext& c, const std::string& text) {
   std::fflush(stdout);
 }
 
-}  // namespace
-
-bool hasMeasure(const AppContext& c) { return c.bench.isOpen() && !c.bench.measure.points().empty(); }
+bool hasMeasure(const AppContext& c) { return c.bench.document->isOpen() && !c.bench.views->measure.points().empty(); }
 
 Expected<void> copyPoint(AppContext& c, AppWords words) {
   KERF_TRY(readout, pointed(c, words));
@@ -36,20 +36,20 @@ Expected<void> copyPoint(AppContext& c, AppWords words) {
 
 Expected<void> measurePoint(AppContext& c, AppWords words) {
   KERF_TRY(ray, pointedRay(c, words));
-  const auto seen = c.bench.behindSection(ray);
-  const auto hit = seen ? c.bench.scene().hit(*seen) : std::nullopt;
+  const auto seen = c.bench.views->behindSection(ray);
+  const auto hit = seen ? c.bench.document->scene().hit(*seen) : std::nullopt;
   if (!hit) return wrongWord("nothing is there", "a pixel of the object");
-  c.bench.measure.add(hit->on_surface.point);
+  c.bench.views->measure.add(hit->on_surface.point);
   return {};
 }
 
 Expected<void> copyMeasure(AppContext& c, AppWords) {
-  putOut(c, c.bench.measure.text());
+  putOut(c, c.bench.views->measure.text());
   return {};
 }
 
 Expected<void> clearMeasure(AppContext& c, AppWords) {
-  c.bench.measure.clear();
+  c.bench.views->measure.clear();
   return {};
 }
 
@@ -58,5 +58,23 @@ Expected<void> copyPathRow(AppContext& c, AppWords words) {
   putOut(c, pathRowOf(readout));
   return {};
 }
+
+constexpr AppCommand kRows[] = {
+    {"point.copy", "Edit:3", "Copy the point under the cursor", "Ctrl+C", "[X Y]",
+     "Copies point, normal, tissue and thickness along the view, in the scan's frame, as text.", when::isOpen,
+     copyPoint},
+    {"point.copy-row", "Edit:3", "Copy it as a row of a path", "Ctrl+Shift+C", "[X Y]",
+     "Copies the tool's pose there as a row of a path: t,x,y,z,qw,qx,qy,qz.", when::isOpen, copyPathRow},
+    {"measure.point", "Edit:3", "Measure from here", "M", "[X Y]",
+     "Sets a point of the surface: distances between points, and angles at them, are shown.", when::isOpen,
+     measurePoint},
+    {"measure.copy", "Edit:3", "Copy what was measured", "", "", "Copies distances and angles as text.", hasMeasure,
+     copyMeasure},
+    {"measure.clear", "Edit:3", "Measure no more", "Shift+M", "", "Takes all points away.", hasMeasure, clearMeasure},
+};
+
+}  // namespace
+
+std::span<const AppCommand> table() { return kRows; }
 
 }  // namespace kerf::point_commands

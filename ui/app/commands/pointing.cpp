@@ -3,6 +3,9 @@
 #include <algorithm>
 
 #include "ui/app/base/command_words.h"
+#include "ui/app/document/document.h"
+#include "ui/app/document/view_state.h"
+#include "ui/app/workbench/imports.h"
 
 namespace kerf {
 
@@ -36,9 +39,9 @@ std::array<double, 2> pixelOf(const Camera& camera, const Vec3d& point, int widt
 }
 
 std::optional<Vec3d> pointUnder(AppContext& context, double x, double y) {
-  if (context.bench.isImporting()) return {};
-  const auto seen = context.bench.behindSection(rayUnder(context.camera, x, y, context.width, context.height));
-  const auto hit = seen ? context.bench.scene().hit(*seen) : std::nullopt;
+  if (context.bench.imports->isImporting()) return {};
+  const auto seen = context.bench.views->behindSection(rayUnder(context.camera, x, y, context.width, context.height));
+  const auto hit = seen ? context.bench.document->scene().hit(*seen) : std::nullopt;
   return hit ? std::optional<Vec3d>(hit->on_surface.point) : std::nullopt;
 }
 

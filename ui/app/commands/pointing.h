@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "ui/app/commands/app_commands.h"
+#include "ui/app/view/live_surface.h"
 
 namespace kerf {
 

@@ -1,4 +1,5 @@
-// Quitting: asks once about a cut that was not exported. No work is lost: sessions are kept.
+// Quitting: asks once about a cut that was not exported. No work is lost: sessions are kept. The commands app.quit and
+// app.stay are in quit.cpp.
 #pragma once
 
 #include <string>
@@ -7,11 +8,6 @@
 
 namespace kerf::quit {
 
-/// Ends the program, or asks first: AppContext::is_asking_to_quit. A second call while it asks confirms.
-Expected<void> quit(AppContext& c, AppWords words);
-bool isAsking(const AppContext& c);
-/// The window stays open.
-Expected<void> stay(AppContext& c, AppWords words);
 /// Keeps the window open, with the export panel if available.
 void exportFirst(AppContext& c);
 

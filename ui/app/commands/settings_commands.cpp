@@ -1,4 +1,4 @@
-#include "ui/app/commands/settings_commands.h"
+#include "ui/app/commands/command_tables.h"
 
 #include <fmt/format.h>
 
@@ -8,9 +8,10 @@
 #include <string>
 
 #include "ui/app/base/language.h"
-#include "ui/app/commands/settings.h"
+#include "ui/app/settings/settings.h"
+#include "ui/app/workbench/strokes.h"
 
-namespace kerf {
+namespace kerf::settings_commands {
 namespace {
 
 constexpr double kStep = 0.1;  // of the scale
@@ -25,10 +26,6 @@ Expected<void> scaleTo(AppContext& c, double scale) {
   c.settings->values.ui_scale = std::clamp(scale, Settings::kSmallestScale, Settings::kLargestScale);
   return c.settings->save();
 }
-
-}  // namespace
-
-bool hasSettings(const AppContext& c) { return c.settings != nullptr; }
 
 Expected<void> setTheme(AppContext& c, AppWords words) {
   Theme& theme = c.settings->values.theme;
@@ -70,8 +67,8 @@ Expected<void> setHints(AppContext& c, AppWords words) {
 }
 
 Expected<void> keepPush(AppContext& c, AppWords) {
-  c.settings->values.force_N = c.bench.force;
-  c.settings->values.depth_mm = c.bench.depth_mm;
+  c.settings->values.force_N = c.bench.strokes->force;
+  c.settings->values.depth_mm = c.bench.strokes->depth_mm;
   return c.settings->save();
 }
 
@@ -112,4 +109,33 @@ Expected<void> showSettings(AppContext& c, AppWords) {
   return {};
 }
 
-}  // namespace kerf
+constexpr AppCommand kRows[] = {
+    {"settings.show", "Edit:2", "Settings...", "Ctrl+,", "", "Shows the settings, or puts them away.",
+     when::hasSettings, showSettings},
+    {"sound.volume", "", "", "", "PERCENT", "Sets how loud the drill is, 0 to 100.", when::hasSettings, setVolume},
+    {"sound.mute", "Edit:2", "Mute the drill", "Ctrl+M", "[on|off]", "Silences the drill, or lets it be heard.",
+     when::hasSettings, mute},
+    {"settings.dialog", "", "", "", "own|system",
+     "Asks for files by Kerf's own browser, or by the system's dialog where there is one (zenity, kdialog).",
+     when::hasSettings, setDialog},
+    {"settings.language", "", "", "", "LANGUAGE",
+     "Shows the window in another language: en, de, or that of a file in the folder languages of the settings; marked: "
+     "each text that can be translated stands in «».",
+     when::hasSettings, setLanguage},
+    {"settings.push", "", "", "", "", "Keeps push and depth of now for later sessions.", when::hasSettings, keepPush},
+    {"view.theme", "View:6", "Light or dark", "Ctrl+Shift+L", "[light|dark]", "Changes between light and dark panels.",
+     when::hasSettings, setTheme},
+    {"view.larger", "View:6", "Larger type", "Ctrl+=", "", "Makes type and panels larger.", when::hasSettings,
+     makeLarger},
+    {"view.smaller", "View:6", "Smaller type", "Ctrl+-", "", "Makes type and panels smaller.", when::hasSettings,
+     makeSmaller},
+    {"view.scale", "", "", "", "FACTOR", "Sets the size of type and panels, 0.75 to 3.", when::hasSettings, setScale},
+    {"view.hints", "View:6", "Hints for the mouse", "", "[on|off]", "Shows or hides the hints.", when::hasSettings,
+     setHints},
+};
+
+}  // namespace
+
+std::span<const AppCommand> table() { return kRows; }
+
+}  // namespace kerf::settings_commands

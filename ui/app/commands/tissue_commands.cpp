@@ -1,9 +1,11 @@
-#include "ui/app/commands/tissue_commands.h"
+#include "ui/app/commands/command_tables.h"
 
 #include <array>
 #include <utility>
 
 #include "ui/app/base/command_words.h"
+#include "ui/app/document/document.h"
+#include "ui/app/document/view_state.h"
 
 namespace kerf::tissue_commands {
 namespace {
@@ -20,30 +22,57 @@ std::string quoted(AppWords words, std::size_t n) {
   return n < words.size() ? "\"" + words[n] + "\"" : std::string("nothing");
 }
 
-}  // namespace
-
-bool hasTissues(const AppContext& c) { return c.bench.isShown() && !c.bench.tissues().all().empty(); }
-bool isAnyHidden(const AppContext& c) { return c.bench.isShown() && !c.bench.tissues().areAllShown(); }
-bool hasScanColours(const AppContext& c) { return c.bench.isShown() && c.bench.tissues().hasScanColours(); }
+bool hasTissues(const AppContext& c) { return c.bench.document->isShown() && !c.bench.views->tissues().all().empty(); }
+bool isAnyHidden(const AppContext& c) { return c.bench.document->isShown() && !c.bench.views->tissues().areAllShown(); }
+bool hasScanColours(const AppContext& c) {
+  return c.bench.document->isShown() && c.bench.views->tissues().hasScanColours();
+}
 bool hasStructures(const AppContext& c) {
-  return c.bench.isShown() && c.bench.structures() && !c.bench.structures()->isEmpty();
+  return c.bench.document->isShown() && c.bench.document->structures() && !c.bench.document->structures()->isEmpty();
 }
 
 Expected<void> look(AppContext& c, AppWords words) {
   for (const auto& [word, look] : kLooks)
-    if (words.size() > 1 && words[1] == word) return c.bench.tissues().set(words[0], look);
+    if (words.size() > 1 && words[1] == word) return c.bench.views->tissues().set(words[0], look);
   return wrongWord(quoted(words, 1), "a tissue, and show, hide or ghost");
 }
 
 Expected<void> showAll(AppContext& c, AppWords) {
-  c.bench.tissues().showAll();
+  c.bench.views->tissues().showAll();
   return {};
 }
 
 Expected<void> colours(AppContext& c, AppWords words) {
   for (const auto& [word, colours] : kTissueColours)
-    if (!words.empty() && words[0] == word) return c.bench.tissues().setColours(colours);
+    if (!words.empty() && words[0] == word) return c.bench.views->tissues().setColours(colours);
   return wrongWord(quoted(words, 0), "tissue, scan, depth or distance");
 }
+
+template <SurfaceColours kOf>
+Expected<void> coloursOf(AppContext& context, AppWords) {
+  return context.bench.views->tissues().setColours(kOf);
+}
+
+constexpr AppCommand kRows[] = {
+    {"view.tissue", "", "", "", "NAME show|hide|ghost",
+     "Shows a tissue, hides it, or lets what is under it shine through.", hasTissues, look},
+    {"view.tissues-all", "View:4", "Show all tissues", "", "", "Shows all tissues.", isAnyHidden, showAll},
+    {"view.colours", "", "", "", "tissue|scan|depth|distance",
+     "Colours the surface by tissue, as it was scanned, by depth below it as loaded, or by distance to pulp and nerve "
+     "canal. A scan with colours begins with them; where it is cut, tissue has its own.",
+     when::isShown, colours},
+    {"view.colours-tissue", "View:4", "Colours of tissues", "", "", "Colours the surface by tissue.", when::isShown,
+     coloursOf<SurfaceColours::kTissue>},
+    {"view.colours-scan", "View:4", "Colours of the scan", "", "", "Colours the surface as it was scanned.",
+     hasScanColours, coloursOf<SurfaceColours::kScan>},
+    {"view.colours-depth", "View:4", "Colours of depth", "", "", "Colours the surface by depth below it as loaded.",
+     when::isShown, coloursOf<SurfaceColours::kDepth>},
+    {"view.colours-distance", "View:4", "Colours of distance to pulp and nerve", "", "",
+     "Colours the surface by distance to pulp and nerve canal.", hasStructures, coloursOf<SurfaceColours::kDistance>},
+};
+
+}  // namespace
+
+std::span<const AppCommand> table() { return kRows; }
 
 }  // namespace kerf::tissue_commands

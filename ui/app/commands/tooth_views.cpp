@@ -1,4 +1,16 @@
-#include "ui/app/commands/tooth_views.h"
+// Dental views: occlusal, buccal, lingual, mesial, distal.
+//
+// Each view shows a place: a script's pixel, else the point under the cursor, else the chosen piece, else the middle of
+// the view, else the nearest part of the arch. The arch's curve (dental_arch.h) gives the sides there; for a moved
+// piece, at its place in the scan. Without a full arch the user sets the sides: sides() and sidesHere(). Until then
+// these views give an error with a remedy.
+//
+// The place comes to the middle of the picture, 24 mm from lower to upper edge, or less if the view was nearer. The
+// occlusal side is up; in the occlusal view, the front of the arch, or the buccal side if the user set the sides. The
+// view looks over obstacles: lingual from 30 degrees above the occlusal plane, over the teeth of the other side; mesial
+// and distal from 45, over the adjacent teeth; buccal from within the plane. If the user set the sides, it is one
+// tooth, and all four look from within the plane.
+#include "ui/app/commands/command_tables.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,9 +18,14 @@
 
 #include "ui/app/base/command_words.h"
 #include "ui/app/commands/pointing.h"
+#include "ui/app/document/document.h"
+#include "ui/app/document/view_state.h"
+#include "ui/app/workbench/scene_pieces.h"
 
 namespace kerf::tooth_views {
 namespace {
+
+enum class ToothSide { kOcclusal, kBuccal, kLingual, kMesial, kDistal };
 
 constexpr double kToothDegree = std::numbers::pi / 180;
 constexpr double kHalfHeight = 12;                   // mm: a tooth and the adjacent ones
@@ -21,10 +38,10 @@ struct ToothPlace {
 };
 
 std::optional<ToothPlace> placeUnder(const AppContext& c, const Ray& ray) {
-  const auto seen = c.bench.behindSection(ray);
-  const auto hit = seen ? c.bench.scene().hit(*seen) : std::nullopt;
+  const auto seen = c.bench.views->behindSection(ray);
+  const auto hit = seen ? c.bench.document->scene().hit(*seen) : std::nullopt;
   if (!hit) return {};
-  const SceneObject* const object = c.bench.scene().find(hit->id);
+  const SceneObject* const object = c.bench.document->scene().find(hit->id);
   return ToothPlace{hit->on_surface.point, object ? object->pose() : Rigid3{}};
 }
 
@@ -45,21 +62,22 @@ Expected<ToothPlace> toothPlaceOf(const AppContext& c, AppWords words) {
   const auto rayAt = [&](double x, double y) { return rayUnder(c.camera, x, y, c.width, c.height); };
   if (c.pointer)
     if (const auto place = placeUnder(c, rayAt((*c.pointer)[0], (*c.pointer)[1]))) return *place;
-  if (const SceneObject* const piece = c.bench.chosenPiece())
+  if (const SceneObject* const piece = c.bench.pieces->chosen())
     return ToothPlace{piece->pose() * piece->surface.bounds().center(), piece->pose()};
 
   const Ray middle = rayAt(0.5 * c.width, 0.5 * c.height);
   if (const auto place = placeUnder(c, middle)) return *place;
-  if (const auto& arch = c.bench.arch(); arch && !c.bench.told_sides) return placeOfArch(*arch, middle);
-  return ToothPlace{c.bench.scene().bounds().center(), {}};
+  if (const auto& arch = c.bench.document->arch(); arch && !c.bench.views->told_sides)
+    return placeOfArch(*arch, middle);
+  return ToothPlace{c.bench.document->scene().bounds().center(), {}};
 }
 
 /// In the world's frame.
 Expected<ToothSides> sidesOf(const AppContext& c, const ToothPlace& place) {
   ToothSides out;
-  if (c.bench.told_sides)
-    out = *c.bench.told_sides;
-  else if (const auto& arch = c.bench.arch())
+  if (c.bench.views->told_sides)
+    out = *c.bench.views->told_sides;
+  else if (const auto& arch = c.bench.document->arch())
     out = arch->sidesAt(place.T_world_object.inverse() * place.point);
   else
     return fail({.code = Error::Code::kUnsupported,
@@ -74,17 +92,15 @@ Expected<ToothSides> sidesOf(const AppContext& c, const ToothPlace& place) {
 
 /// Up in the view: exactly out of the teeth, unless the user has turned another side up.
 Vec3d upOf(const AppContext& c) {
-  const auto& occlusal = c.bench.occlusalNormal();
+  const auto& occlusal = c.bench.document->occlusalNormal();
   if (occlusal && uprightFrame(*occlusal) == c.camera.upright) return *occlusal;
   return c.camera.upright.transpose() * Vec3d::UnitZ();
 }
 
-}  // namespace
-
 Expected<void> look(AppContext& c, AppWords words, ToothSide side) {
   KERF_TRY(place, toothPlaceOf(c, words));
   KERF_TRY(sides, sidesOf(c, place));
-  const bool is_one_tooth = c.bench.told_sides.has_value();
+  const bool is_one_tooth = c.bench.views->told_sides.has_value();
   const auto from = [&](const Vec3d& direction, double above_deg) {
     const double above = is_one_tooth ? 0 : above_deg * kToothDegree;
     lookFrom(c.camera, std::cos(above) * direction + std::sin(above) * sides.occlusal, sides.occlusal);
@@ -93,7 +109,7 @@ Expected<void> look(AppContext& c, AppWords words, ToothSide side) {
   switch (side) {
     case ToothSide::kOcclusal:
       lookFrom(c.camera, sides.occlusal,
-               is_one_tooth ? sides.buccal : Vec3d(place.T_world_object.rotation * c.bench.arch()->front));
+               is_one_tooth ? sides.buccal : Vec3d(place.T_world_object.rotation * c.bench.document->arch()->front));
       break;
     case ToothSide::kBuccal:
       from(sides.buccal, 0);
@@ -115,7 +131,7 @@ Expected<void> look(AppContext& c, AppWords words, ToothSide side) {
 
 Expected<void> sides(AppContext& c, AppWords words) {
   if (words.size() == 1 && words[0] == "auto") {
-    c.bench.told_sides.reset();
+    c.bench.views->told_sides.reset();
     return {};
   }
   if (words.size() < 2)
@@ -131,7 +147,7 @@ Expected<void> sides(AppContext& c, AppWords words) {
   if (told.occlusal.dot(up) < std::numbers::sqrt2 / 2)
     return wrongWord(words[0] + " and " + words[1], "two axes square to the one that is up, " + nameOfAxis(up),
                      "view.up sets which side is up");
-  c.bench.told_sides = told;
+  c.bench.views->told_sides = told;
   return {};
 }
 
@@ -150,8 +166,51 @@ Expected<void> sidesHere(AppContext& c, AppWords words) {
   told.buccal = level.normalized();
   told.mesial = told.occlusal.cross(told.buccal);
   if (told.mesial.dot(c.camera.right()) * (words[0] == "right" ? 1 : -1) < 0) told.mesial = -told.mesial;
-  c.bench.told_sides = told;
+  c.bench.views->told_sides = told;
   return {};
 }
+
+template <ToothSide kSide>
+Expected<void> lookAt(AppContext& context, AppWords words) {
+  return look(context, words, kSide);
+}
+
+template <bool kMesialIsLeft>
+Expected<void> thisIsBuccal(AppContext& context, AppWords) {
+  const std::string words[] = {kMesialIsLeft ? "left" : "right"};
+  return sidesHere(context, words);
+}
+
+constexpr AppCommand kRows[] = {
+    {"view.occlusal", "View:2", "Occlusal: this tooth", "0", "[X Y]",
+     "Looks square to the occlusal plane at a tooth: at a pixel, under the cursor, the chosen piece, or in the middle "
+     "of the view; the front of the arch is up.",
+     when::isShown, lookAt<ToothSide::kOcclusal>},
+    {"view.buccal", "View:2", "Buccal: this tooth", "8", "[X Y]",
+     "Looks at the buccal (labial) side of a tooth, from outside the arch.", when::isShown, lookAt<ToothSide::kBuccal>},
+    {"view.lingual", "View:2", "Lingual: this tooth", "9", "[X Y]",
+     "Looks at the lingual (palatal) side of a tooth, from inside the arch and 30 degrees above it.", when::isShown,
+     lookAt<ToothSide::kLingual>},
+    {"view.mesial", "View:2", "Mesial: this tooth", "Shift+8", "[X Y]",
+     "Looks at the mesial side of a tooth, along the arch from its midline and 45 degrees above it.", when::isShown,
+     lookAt<ToothSide::kMesial>},
+    {"view.distal", "View:2", "Distal: this tooth", "Shift+9", "[X Y]",
+     "Looks at the distal side of a tooth, along the arch from its end and 45 degrees above it.", when::isShown,
+     lookAt<ToothSide::kDistal>},
+    {"view.sides", "", "", "", "BUCCAL MESIAL|auto",
+     "Tells which sides are buccal and mesial where no full arch does: +x, -x, +y, -y, +z, -z; auto: as the arch says.",
+     when::isShown, sides},
+    {"view.sides-here", "", "", "", "left|right",
+     "Tells that this view is of the buccal side, with the mesial one to the left or right.", when::isShown, sidesHere},
+    {"view.sides-left", "View:2", "This is buccal, mesial to the left", "", "",
+     "Tells that this view is of the buccal side, with the mesial one to the left.", when::isShown, thisIsBuccal<true>},
+    {"view.sides-right", "View:2", "This is buccal, mesial to the right", "", "",
+     "Tells that this view is of the buccal side, with the mesial one to the right.", when::isShown,
+     thisIsBuccal<false>},
+};
+
+}  // namespace
+
+std::span<const AppCommand> table() { return kRows; }
 
 }  // namespace kerf::tooth_views

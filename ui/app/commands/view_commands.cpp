@@ -5,8 +5,11 @@
 #include <numbers>
 
 #include "ui/app/base/command_words.h"
+#include "ui/app/settings/settings.h"
+#include "ui/app/commands/command_tables.h"
 #include "ui/app/commands/pointing.h"
-#include "ui/app/commands/settings.h"
+#include "ui/app/document/document.h"
+#include "ui/app/document/view_state.h"
 
 namespace kerf::view_commands {
 namespace {
@@ -16,16 +19,14 @@ constexpr double kFarOff = 1e5;  // pixels
 
 Expected<void> moveSection(AppContext& c, AppWords words, double way) {
   KERF_TRY(mm, numberOr(words, 0, 0.2, "MM", 0, 1000));
-  c.bench.section->point += way * mm * c.bench.section->normal;
+  c.bench.views->section->point += way * mm * c.bench.views->section->normal;
   return {};
 }
 
-}  // namespace
-
-bool hasSection(const AppContext& c) { return c.bench.isShown() && c.bench.section.has_value(); }
+bool hasSection(const AppContext& c) { return c.bench.document->isShown() && c.bench.views->section.has_value(); }
 
 Expected<void> fit(AppContext& c, AppWords) {
-  fitToBox(c.camera, c.bench.scene().bounds(), c.width, c.height);
+  fitToBox(c.camera, c.bench.document->scene().bounds(), c.width, c.height);
   return {};
 }
 
@@ -40,7 +41,7 @@ Expected<void> view(AppContext& c, AppWords words) {
 
 Expected<void> up(AppContext& c, AppWords words) {
   if (words.empty()) return wrongWord("no side", "+x, -x, +y, -y, +z, -z or auto");
-  const Vec3d found = c.bench.occlusalNormal().value_or(Vec3d::UnitZ());
+  const Vec3d found = c.bench.document->occlusalNormal().value_or(Vec3d::UnitZ());
   KERF_TRY(side, words[0] == "auto" ? Expected<Vec3d>(found) : axisFromName(words[0]));
   c.camera.upright = uprightFrame(side);
   return fit(c, {});
@@ -48,16 +49,16 @@ Expected<void> up(AppContext& c, AppWords words) {
 
 // Perpendicular to the view: removes everything nearer than a point.
 Expected<void> cutOpen(AppContext& c, AppWords words) {
-  if (c.bench.section && words.empty()) {
-    c.bench.section.reset();
+  if (c.bench.views->section && words.empty()) {
+    c.bench.views->section.reset();
     return {};
   }
-  Vec3d through = c.bench.scene().bounds().center();
+  Vec3d through = c.bench.document->scene().bounds().center();
   if (!words.empty() || c.pointer) {
     KERF_TRY(ray, pointedRay(c, words));
-    if (const auto hit = c.bench.scene().hit(ray)) through = hit->on_surface.point;
+    if (const auto hit = c.bench.document->scene().hit(ray)) through = hit->on_surface.point;
   }
-  c.bench.section = Plane{through, c.camera.backwards()};
+  c.bench.views->section = Plane{through, c.camera.backwards()};
   return {};
 }
 
@@ -122,6 +123,52 @@ Expected<void> screenshot(AppContext& c, AppWords words) {
   return wrongWord("nothing is drawn here", "a window, or a picture without one");
 }
 
+template <std::size_t N>
+Expected<void> namedView(AppContext& context, AppWords) {
+  const std::string words[] = {std::string(namedViews()[N].name)};
+  return view(context, words);
+}
+
+constexpr AppCommand kRows[] = {
+    {"view.fit", "View:1", "Fit", "F", "", "Shows all of the object.", when::isShown, fit},
+    {"view.front", "View:1", "Front", "1", "", "Looks along +y, where +z is up.", when::always, namedView<0>},
+    {"view.back", "View:1", "Back", "2", "", "Looks along -y.", when::always, namedView<1>},
+    {"view.left", "View:1", "Left", "3", "", "Looks along +x.", when::always, namedView<2>},
+    {"view.right", "View:1", "Right", "4", "", "Looks along -x.", when::always, namedView<3>},
+    {"view.top", "View:1", "Top", "5", "", "Looks down on the side that is up, the occlusal one of a scan.",
+     when::always, namedView<4>},
+    {"view.bottom", "View:1", "Bottom", "6", "", "Looks up from below.", when::always, namedView<5>},
+    {"view.iso", "View:1", "Oblique", "7", "", "Looks from in front, above and the right.", when::always, namedView<6>},
+    {"view.from", "", "", "", "NAME|AZ,EL", "Looks from a named side or two angles in degrees.", when::always, view},
+    {"view.up", "", "", "", "AXIS|auto",
+     "Turns the view so that a side of the scan is up: +x, -x, +y, -y, +z, -z; auto: its occlusal side, as when it was "
+     "opened. Coordinates stay those of the scan.",
+     when::isShown, up},
+    {"view.section", "View:3", "Cut open", "X", "[X Y]",
+     "Takes away what is nearer than the point under the cursor, or than the middle; again: shows all.", when::isShown,
+     cutOpen},
+    {"view.section-deeper", "View:3", "Section deeper", "PageDown", "[MM]",
+     "Moves the section away, 0.2 mm if not told.", hasSection, sectionDeeper},
+    {"view.section-nearer", "View:3", "Section nearer", "PageUp", "[MM]",
+     "Moves the section towards the viewer of before, 0.2 mm if not told.", hasSection, sectionNearer},
+    {"view.plots", "View:3", "Plots of the last 20 s", "", "[on|off]",
+     "Shows force, torque, spindle, depth and volume rate over time, or puts them away.", when::always, plots},
+    {"view.zoom", "", "", "", "FACTOR [X Y]",
+     "Makes things larger by a factor, about the middle or a pixel as the wheel does.", when::always, zoom},
+    {"view.perspective", "View:5", "Perspective", "O", "[DEG|off]",
+     "Shows near things larger, with a field of view of 5 to 90 degrees from the lower to the upper edge, the one of "
+     "the settings if not told; again: parallel lines stay parallel, as at first.",
+     when::always, perspective},
+    {"view.roll", "View:5", "Turn the picture", "R", "[DEG]",
+     "Turns what is seen clockwise in the picture, by 15 degrees if not told.", when::always, roll},
+    {"view.level", "View:5", "Upright again", "Shift+R", "", "Takes back all turns of the picture.", isRolled, level},
+    {"picture.write", "", "", "", "OUT.png", "Writes what is shown as a picture.", when::always, screenshot},
+};
+
+}  // namespace
+
+std::span<const AppCommand> table() { return kRows; }
+
 }  // namespace kerf::view_commands
 
 namespace kerf {
@@ -130,12 +177,12 @@ void firstView(AppContext& context, const Camera& otherwise) {
   const double field_of_view = context.camera.field_of_view;
   context.camera = otherwise;
   context.camera.field_of_view = field_of_view;
-  if (const auto& normal = context.bench.occlusalNormal()) {
+  if (const auto& normal = context.bench.document->occlusalNormal()) {
     constexpr double kFromAbove = 1.5;  // rad
     context.camera.upright = uprightFrame(*normal);
     if (otherwise.elevation > kFromAbove) lookFrom(context.camera, *normal);
   }
-  fitToBox(context.camera, context.bench.scene().bounds(), context.width, context.height);
+  fitToBox(context.camera, context.bench.document->scene().bounds(), context.width, context.height);
 }
 
 }  // namespace kerf

@@ -16,7 +16,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "ui/app/commands/settings.h"
+#include "ui/app/settings/settings.h"
 #include "ui/app/hand/pedal_hold.h"
 
 namespace kerf {

@@ -18,12 +18,24 @@
 #include "ui/app/base/command_words.h"
 #include "ui/app/commands/device_commands.h"
 #include "ui/app/commands/import_commands.h"
+#include "ui/app/readout/point_readout.h"
+#include "ui/app/document/document.h"
+#include "ui/app/document/jobs.h"
+#include "ui/app/document/view_state.h"
 #include "ui/app/session/arm_lead.h"
 #include "ui/app/session/session_result.h"
 #include "ui/app/view/tissue_display.h"
 #include "ui/app/workbench/export_plan.h"
-#include "ui/app/workbench/point_readout.h"
+#include "ui/app/workbench/force_device.h"
+#include "ui/app/workbench/imports.h"
+#include "ui/app/workbench/replays.h"
 #include "ui/app/workbench/sawing.h"
+#include "ui/app/workbench/scene_neighbours.h"
+#include "ui/app/workbench/sessions.h"
+#include "ui/app/workbench/steps.h"
+#include "ui/app/workbench/strokes.h"
+#include "ui/app/workbench/tool_monitor.h"
+#include "ui/app/workbench/tools.h"
 
 namespace kerf {
 namespace {
@@ -39,16 +51,16 @@ bool goesOn(const AppContext& c, const std::function<void()>& frame) {
 
 // A pause or a jump is pending; playing does not count.
 bool isReplayBusy(const AppContext& c) {
-  const WatchedRun* const run = c.bench.watched();
+  const WatchedRun* const run = c.bench.document->watched();
   return run && !run->isSettled() && !run->moment().is_playing;
 }
 
 // Waits in the time of the watched session, at most to its end.
 Expected<void> waitForReplay(AppContext& c, double seconds, const std::function<void()>& frame) {
-  const std::size_t until = c.bench.watched()->moment().sample + static_cast<std::size_t>(seconds / kTick);
+  const std::size_t until = c.bench.document->watched()->moment().sample + static_cast<std::size_t>(seconds / kTick);
   while (goesOn(c, frame) && isReplayBusy(c)) {
   }  // the last request is pending
-  while (c.bench.isPlaying() && c.bench.watched()->moment().sample < until && goesOn(c, frame)) {
+  while (c.bench.replays->isPlaying() && c.bench.document->watched()->moment().sample < until && goesOn(c, frame)) {
   }
   while (isReplayBusy(c) && goesOn(c, frame)) {
   }
@@ -59,16 +71,16 @@ Expected<void> waitForReplay(AppContext& c, double seconds, const std::function<
 Expected<void> waitForDevice(AppContext& c, AppWords words, const std::function<void()>& frame) {
   KERF_TRY(seconds, numberOr(words, 1, 10, "SECONDS", 0, 36000));
   const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
-  while (!c.bench.isLed() && std::chrono::steady_clock::now() < until && goesOn(c, frame)) {
+  while (!c.bench.device->isLed() && std::chrono::steady_clock::now() < until && goesOn(c, frame)) {
   }
-  if (c.bench.isLed()) return {};
+  if (c.bench.device->isLed()) return {};
   return wrongWord(fmt::format("no device that leads the tool after {:g} s", seconds), "one",
-                   c.bench.arm().view().missing);
+                   c.bench.device->arm().view().missing);
 }
 
 // 0: no device open; 1: silent; 2: hand present; 3: leads the tool; 4: leads and is armed.
 int stageOfDevice(const AppContext& c) {
-  const ArmView now = c.bench.arm().view();
+  const ArmView now = c.bench.device->arm().view();
   if (now.what.empty()) return 0;
   if (!now.is_there) return 1;
   if (!now.is_leading) return 2;
@@ -77,29 +89,30 @@ int stageOfDevice(const AppContext& c) {
 
 Expected<void> wait(AppContext& c, AppWords words, const std::function<void()>& frame) {
   if (words.empty()) {
-    while (goesOn(c, frame) && (c.bench.job() || isReplayBusy(c) || isPreviewing(c) || c.bench.saw().isCutting() ||
-                                c.bench.tissues().isBusy() || c.bench.exporting().isBusy() ||
-                                (c.bench.isShown() && c.bench.scene().triangleCount() == 0))) {
+    while (goesOn(c, frame) &&
+           (c.bench.jobs->running() || isReplayBusy(c) || import_commands::isPreviewing(c) || c.bench.saw->isCutting() ||
+            c.bench.views->tissues().isBusy() || c.bench.exporting->isBusy() ||
+            (c.bench.document->isShown() && c.bench.document->scene().triangleCount() == 0))) {
     }
-    if (c.bench.watched()) frame();  // takes newly meshed chunks
+    if (c.bench.document->watched()) frame();  // takes newly meshed chunks
     return {};
   }
   if (words[0] == "device") return waitForDevice(c, words, frame);
   KERF_TRY(seconds, numberOf(words, 0, "SECONDS", 0, 36000));
-  if (c.bench.watched()) return waitForReplay(c, seconds, frame);
-  if (!c.bench.isOpen()) return wrongWord("nothing is open", "a session whose clock runs");
+  if (c.bench.document->watched()) return waitForReplay(c, seconds, frame);
+  if (!c.bench.document->isOpen()) return wrongWord("nothing is open", "a session whose clock runs");
   frame();
-  const auto until = c.bench.report().tick + static_cast<std::uint64_t>(seconds / kTick);
-  while (c.bench.isOpen() && c.bench.report().tick < until && goesOn(c, frame)) {
+  const auto until = c.bench.document->report().tick + static_cast<std::uint64_t>(seconds / kTick);
+  while (c.bench.document->isOpen() && c.bench.document->report().tick < until && goesOn(c, frame)) {
   }
   return {};
 }
 
 nlohmann::json loopState(const Workbench& bench) {
-  const HapticCounts& counts = bench.report().counts;
+  const HapticCounts& counts = bench.document->report().counts;
   nlohmann::json out{{"ticks", counts.ticks}, {"overruns", counts.overruns}};
-  if (const auto hz = bench.loopHz()) out["hz"] = *hz;
-  if (bench.times().cost.count() > 0) out["p99_ms"] = bench.times().cost.percentileMs(0.99);
+  if (const auto hz = bench.monitor->loopHz()) out["hz"] = *hz;
+  if (bench.document->times().cost.count() > 0) out["p99_ms"] = bench.document->times().cost.percentileMs(0.99);
   return out;
 }
 
@@ -114,41 +127,41 @@ nlohmann::json memoryState(const Workbench& bench) {
   const struct mallinfo2 heap = ::mallinfo2();
   out["heap_in_use_MB"] = static_cast<double>(heap.uordblks + heap.hblkhd) / kMb;
   out["heap_kept_MB"] = static_cast<double>(heap.fordblks) / kMb;
-  if (!bench.isOpen()) return out;
+  if (!bench.document->isOpen()) return out;
 
-  out["brick_pools"] = bench.report().counts.pools_taken;
+  out["brick_pools"] = bench.document->report().counts.pools_taken;
   std::error_code failed;
-  const auto log = fs::file_size(bench.sessionFolder() / "session.kerflog", failed);
+  const auto log = fs::file_size(bench.document->sessionFolder() / "session.kerflog", failed);
   if (!failed) out["log_MB"] = static_cast<double>(log) / kMb;
   return out;
 }
 
 void printState(const AppContext& c) {
-  nlohmann::json j{{"open", c.bench.isOpen()},
-                   {"name", c.bench.name()},
-                   {"removed_mm3", c.bench.removedMm3()},
-                   {"force_N", c.bench.force},
-                   {"depth_mm", c.bench.depth_mm},
-                   {"speed_percent", 100 * c.bench.speed},
-                   {"tilt_deg", c.bench.tilt.angle * 180 / std::numbers::pi},
-                   {"ticks", c.bench.report().tick},
-                   {"pieces", c.bench.scene().pieceCount()},
-                   {"triangles", c.bench.scene().triangleCount()},
-                   {"steps", c.bench.timeline().done()},
-                   {"steps_ahead", c.bench.timeline().steps().size() - c.bench.timeline().done()},
-                   {"planes", c.bench.saw().plan().planes().size()},
-                   {"sawn_percent", 100 * c.bench.saw().lastShare()}};
-  for (const Branch& branch : c.bench.branches()) j["branches"].push_back(branch.text);
-  if (c.bench.exporting().isShown()) j["export"] = nlohmann::json::parse(exportState(c.bench.exporting()));
-  const HeatReport& heat = c.bench.report().heat;
+  nlohmann::json j{{"open", c.bench.document->isOpen()},
+                   {"name", c.bench.document->name()},
+                   {"removed_mm3", c.bench.document->removedMm3()},
+                   {"force_N", c.bench.strokes->force},
+                   {"depth_mm", c.bench.strokes->depth_mm},
+                   {"speed_percent", 100 * c.bench.strokes->speed},
+                   {"tilt_deg", c.bench.strokes->tilt.angle * 180 / std::numbers::pi},
+                   {"ticks", c.bench.document->report().tick},
+                   {"pieces", c.bench.document->scene().pieceCount()},
+                   {"triangles", c.bench.document->scene().triangleCount()},
+                   {"steps", c.bench.steps->timeline().done()},
+                   {"steps_ahead", c.bench.steps->timeline().steps().size() - c.bench.steps->timeline().done()},
+                   {"planes", c.bench.saw->plan().planes().size()},
+                   {"sawn_percent", 100 * c.bench.saw->lastShare()}};
+  for (const Branch& branch : c.bench.steps->branches()) j["branches"].push_back(branch.text);
+  if (c.bench.exporting->isShown()) j["export"] = nlohmann::json::parse(exportState(*c.bench.exporting));
+  const HeatReport& heat = c.bench.document->report().heat;
   if (heat.is_known) {
     j["surface_C"] = heat.surface;
     j["pulp_rise_K"] = heat.pulp_rise;
     j["nerve_rise_K"] = heat.nerve_rise;
   }
-  if (c.bench.arm().isOpen()) j["device"] = nlohmann::json::parse(device_commands::deviceState(c));
-  if (c.bench.isImporting()) j["import"] = nlohmann::json::parse(importState(*c.bench.importSet()));
-  if (const WatchedRun* const run = c.bench.watched()) {
+  if (c.bench.device->arm().isOpen()) j["device"] = nlohmann::json::parse(device_commands::deviceState(c));
+  if (c.bench.imports->isImporting()) j["import"] = nlohmann::json::parse(import_commands::importState(*c.bench.imports->set()));
+  if (const WatchedRun* const run = c.bench.document->watched()) {
     const WatchMoment& now = run->moment();
     j["replay"] = {{"seconds", kTick * static_cast<double>(now.sample)},
                    {"of_seconds", run->seconds()},
@@ -158,30 +171,30 @@ void printState(const AppContext& c) {
                    {"is_playing", now.is_playing}};
     if (now.verdict) j["replay"]["verdict"] = now.verdict->text;
   }
-  if (c.bench.isShown()) j["tool"] = c.bench.tool(c.bench.toolInHand()).id;
-  if (const auto depth = c.bench.depthNow()) j["depth_now_mm"] = *depth;
-  if (const auto depth = c.bench.tipDepth()) j["depth_tip_mm"] = *depth;
+  if (c.bench.document->isShown()) j["tool"] = c.bench.tools->at(c.bench.tools->inHand()).id;
+  if (const auto depth = c.bench.strokes->depthNow()) j["depth_now_mm"] = *depth;
+  if (const auto depth = c.bench.monitor->tipDepth()) j["depth_tip_mm"] = *depth;
   if (const auto under = readoutOfTool(c.bench)) {
     j["point_mm"] = {under->point[0], under->point[1], under->point[2]};
     j["tissue"] = under->tissue;
   }
-  if (c.bench.hindrance()[0]) j["hindrance"] = c.bench.hindrance();
-  if (const auto& result = c.bench.lastResult()) j["last_session"] = resultJson(*result);
-  if (const auto near = c.bench.nearStructure({}); near && !near->is_far) {
+  if (c.bench.monitor->hindrance()[0]) j["hindrance"] = c.bench.monitor->hindrance();
+  if (const auto& result = c.bench.sessions->lastResult()) j["last_session"] = resultJson(*result);
+  if (const auto near = c.bench.monitor->nearStructure({}); near && !near->is_far) {
     j["near"] = near->name;
     j["near_mm"] = near->distance_mm;
   }
-  if (c.bench.isOpen()) j["loop"] = loopState(c.bench);
+  if (c.bench.document->isOpen()) j["loop"] = loopState(c.bench);
   j["memory"] = memoryState(c.bench);
-  for (const SceneObject* object : c.bench.scene().shown())
+  for (const SceneObject* object : c.bench.document->scene().shown())
     if (!object->isBeside())
       j["piece_list"].push_back({{"name", object->name},
                                  {"volume_mm3", object->surface.volume()},
                                  {"removed_mm3", object->removed_mm3},
                                  {"is_moved", object->isMoved()}});
-  for (const Neighbour& other : c.bench.neighbours())
+  for (const Neighbour& other : c.bench.neighbours->list())
     j["beside"].push_back({{"name", other.name}, {"removed_mm3", other.removed_mm3}});
-  if (const auto near = c.bench.nearNeighbour({}); near && !near->is_far) {
+  if (const auto near = c.bench.monitor->nearNeighbour({}); near && !near->is_far) {
     j["near_beside"] = near->name;
     j["near_beside_mm"] = near->distance_mm;
   }
@@ -193,20 +206,20 @@ void printState(const AppContext& c) {
 // Distance from the cutting tool to pulp or nerve canal, mm; far: 1000.
 double nearestOf(const AppContext& c) {
   constexpr double kFar = 1000;
-  const auto near = c.bench.nearStructure({});
+  const auto near = c.bench.monitor->nearStructure({});
   return near && !near->is_far ? near->distance_mm : kFar;
 }
 
 // Distance from the cutting tool to the neighbours, mm; far: 1000.
 double nearestBeside(const AppContext& c) {
   constexpr double kFar = 1000;
-  const auto near = c.bench.nearNeighbour({});
+  const auto near = c.bench.monitor->nearNeighbour({});
   return near && !near->is_far ? near->distance_mm : kFar;
 }
 
 double removedBeside(const AppContext& c) {
   double out = 0;
-  for (const Neighbour& other : c.bench.neighbours()) out += other.removed_mm3;
+  for (const Neighbour& other : c.bench.neighbours->list()) out += other.removed_mm3;
   return out;
 }
 
@@ -217,19 +230,19 @@ const std::string kExpected =
     "same, verdict, device or device-force";
 
 double secondWatched(const AppContext& c) {
-  return c.bench.watched() ? kTick * static_cast<double>(c.bench.watched()->moment().sample) : 0;
+  return c.bench.document->watched() ? kTick * static_cast<double>(c.bench.document->watched()->moment().sample) : 0;
 }
 
 double sameness(const AppContext& c) {
-  if (!c.bench.watched() || !c.bench.watched()->moment().verdict) return -1;
-  return c.bench.watched()->moment().verdict->is_same ? 1 : 0;
+  if (!c.bench.document->watched() || !c.bench.document->watched()->moment().verdict) return -1;
+  return c.bench.document->watched()->moment().verdict->is_same ? 1 : 0;
 }
 
 // Print check of the export panel: 1: ready; 0: not ready; -1: unknown.
 double verdictOf(const AppContext& c) {
   using Stage = ExportPlan::Stage;
-  const Stage now = c.bench.exporting().stage();
-  if (now == Stage::kWritten) return c.bench.exporting().written()->is_ready ? 1 : 0;
+  const Stage now = c.bench.exporting->stage();
+  if (now == Stage::kWritten) return c.bench.exporting->written()->is_ready ? 1 : 0;
   if (now == Stage::kReady) return 1;
   return now == Stage::kDoubtful || now == Stage::kRefused ? 0 : -1;
 }
@@ -240,37 +253,37 @@ Expected<void> expect(const AppContext& c, AppWords words) {
   KERF_TRY(high, numberOf(words, 2, "HIGH", -1e12, 1e12));
   double value = 0;
   if (words[0] == "removed")
-    value = c.bench.removedMm3();
+    value = c.bench.document->removedMm3();
   else if (words[0] == "depth")
-    value = c.bench.depthNow().value_or(0);
+    value = c.bench.strokes->depthNow().value_or(0);
   else if (words[0] == "tip")
-    value = c.bench.tipDepth().value_or(0);
+    value = c.bench.monitor->tipDepth().value_or(0);
   else if (words[0] == "loop")
-    value = c.bench.loopHz().value_or(0);
+    value = c.bench.monitor->loopHz().value_or(0);
   else if (words[0] == "near")
     value = nearestOf(c);
   else if (words[0] == "hindered")
-    value = c.bench.hindrance()[0] ? 1 : 0;
+    value = c.bench.monitor->hindrance()[0] ? 1 : 0;
   else if (words[0] == "warm")
-    value = c.bench.report().heat.surface;
+    value = c.bench.document->report().heat.surface;
   else if (words[0] == "sawn")
-    value = 100 * c.bench.saw().lastShare();
+    value = 100 * c.bench.saw->lastShare();
   else if (words[0] == "triangles")
-    value = static_cast<double>(c.bench.scene().triangleCount());
+    value = static_cast<double>(c.bench.document->scene().triangleCount());
   else if (words[0] == "pieces")
-    value = static_cast<double>(c.bench.scene().pieceCount());
+    value = static_cast<double>(c.bench.document->scene().pieceCount());
   else if (words[0] == "beside")
-    value = static_cast<double>(c.bench.neighbours().size());
+    value = static_cast<double>(c.bench.neighbours->list().size());
   else if (words[0] == "beside-near")
     value = nearestBeside(c);
   else if (words[0] == "beside-removed")
     value = removedBeside(c);
-  else if (words[0] == "steps" && c.bench.watched())
-    value = static_cast<double>(c.bench.watched()->moment().steps);
+  else if (words[0] == "steps" && c.bench.document->watched())
+    value = static_cast<double>(c.bench.document->watched()->moment().steps);
   else if (words[0] == "steps")
-    value = static_cast<double>(c.bench.timeline().older() + c.bench.timeline().done());
+    value = static_cast<double>(c.bench.steps->timeline().older() + c.bench.steps->timeline().done());
   else if (words[0] == "branches")
-    value = static_cast<double>(c.bench.branchCount());
+    value = static_cast<double>(c.bench.steps->branchCount());
   else if (words[0] == "time")
     value = secondWatched(c);
   else if (words[0] == "same")
@@ -280,9 +293,9 @@ Expected<void> expect(const AppContext& c, AppWords words) {
   else if (words[0] == "device")
     value = stageOfDevice(c);
   else if (words[0] == "device-force")
-    value = c.bench.arm().view().felt.force.norm();
+    value = c.bench.device->arm().view().felt.force.norm();
   else if (words[0] == "ahead")
-    value = static_cast<double>(c.bench.timeline().steps().size() - c.bench.timeline().done());
+    value = static_cast<double>(c.bench.steps->timeline().steps().size() - c.bench.steps->timeline().done());
   else
     return wrongWord("\"" + words[0] + "\"", kExpected);
   if (value >= low && value <= high) return {};
@@ -291,8 +304,8 @@ Expected<void> expect(const AppContext& c, AppWords words) {
 
 // Fails on the first error notice.
 Expected<void> failOnError(const AppContext& c, std::size_t& seen) {
-  for (; seen < c.bench.notices().size(); ++seen)
-    if (const Notice& notice = c.bench.notices()[seen]; notice.is_error)
+  for (; seen < c.bench.notices->list().size(); ++seen)
+    if (const Notice& notice = c.bench.notices->list()[seen]; notice.is_error)
       return fail({.code = Error::Code::kBadValue, .found = notice.text});
   return {};
 }

@@ -47,11 +47,11 @@ Place placeOfText(std::string_view text, const std::string& word) {
 // 0: the word does not occur.
 int scoreOf(const AppCommand& command, const std::string& word) {
   const Place label = placeOfText(command.label, word), id = placeOf(command.id, word);
-  const bool is_menu = lower(command.menu) == word || lower(shownText(command.menu)) == word;
+  const bool is_menu = lower(menuOf(command)) == word || lower(shownText(menuOf(command))) == word;
   if (label == Place::kStart || is_menu) return 6;
   if (label == Place::kWordStart) return 5;
   if (id >= Place::kWordStart) return 4;
-  if (placeOfText(command.menu, word) >= Place::kWordStart) return 3;
+  if (placeOfText(menuOf(command), word) >= Place::kWordStart) return 3;
   if (label != Place::kNowhere || id != Place::kNowhere) return 2;
   return placeOfText(command.description, word) != Place::kNowhere ? 1 : 0;
 }

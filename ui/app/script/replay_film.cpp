@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "sim/run/session/watched_run.h"
+#include "ui/app/document/document.h"
+#include "ui/app/document/jobs.h"
 #include "ui/app/script/app_script.h"
 
 namespace kerf {
@@ -51,9 +53,9 @@ Expected<std::vector<std::size_t>> momentsOf(const FilmOptions& o, const Watched
 
 Expected<std::size_t> filmReplay(AppContext& context, const FilmOptions& options, const std::function<void()>& frame) {
   KERF_CHECK(waitUntilSettled(context, frame));
-  WatchedRun* const run = context.bench.watched();
+  WatchedRun* const run = context.bench.document->watched();
   if (!run) {
-    for (const Notice& notice : context.bench.notices())
+    for (const Notice& notice : context.bench.notices->list())
       if (notice.is_error) return fail({.code = Error::Code::kUnsupported, .found = notice.text});
     return fail({.code = Error::Code::kUnsupported, .found = "no session is watched", .hint = "--replay RUN"});
   }

@@ -20,7 +20,7 @@ using Cell = std::array<int, 3>;
 using TrianglesOf = std::map<Cell, std::vector<std::size_t>>;
 
 /// A drawn vertex: a mesh vertex with one of its normals and colours.
-using Key = std::tuple<std::uint32_t, std::array<float, 3>, Rgba8>;
+using VertexKey = std::tuple<std::uint32_t, std::array<float, 3>, Rgba8>;
 
 int cellAt(double mm, double cell) {
   return static_cast<int>(std::min(std::max(std::floor(mm / cell), double{-kFarthest}), double{kFarthest}));
@@ -62,7 +62,7 @@ std::vector<ColouredChunk> chunksOf(const Mesh& mesh, double cell) {
     ColouredChunk& made = out.emplace_back();
     made.chunk.brick = {at[0], at[1], at[2]};
     made.chunk.version = 1;
-    std::map<Key, std::uint16_t> known;
+    std::map<VertexKey, std::uint16_t> known;
     for (const std::size_t t : triangles) {
       std::array<std::uint16_t, 3>& triangle = made.chunk.triangles.emplace_back();
       for (std::size_t k = 0; k < 3; ++k) {
@@ -72,7 +72,7 @@ std::vector<ColouredChunk> chunksOf(const Mesh& mesh, double cell) {
                        : mesh.hasVertexColors() ? mesh.vertex_colors[v]
                                                 : kIvoryColour;
         colour[3] = kGloss;
-        const auto [entry, is_new] = known.try_emplace(Key{v, {n[0], n[1], n[2]}, colour},
+        const auto [entry, is_new] = known.try_emplace(VertexKey{v, {n[0], n[1], n[2]}, colour},
                                                        static_cast<std::uint16_t>(made.chunk.vertices.size()));
         if (is_new) {
           made.chunk.vertices.push_back(mesh.vertices[v].cast<float>());

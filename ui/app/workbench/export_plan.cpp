@@ -11,6 +11,11 @@
 
 #include "geometry/formats/mesh_formats.h"
 #include "ui/app/base/language.h"
+#include "ui/app/document/document.h"
+#include "ui/app/workbench/imports.h"
+#include "ui/app/workbench/results.h"
+#include "ui/app/workbench/sawing.h"
+#include "ui/app/workbench/scene_neighbours.h"
 #include "ui/app/workbench/workbench.h"
 
 namespace kerf {
@@ -70,9 +75,9 @@ std::optional<fs::path> untoldOf(const std::vector<fs::path>& files, const std::
 // ---- Panel
 
 void ExportPlan::show(const fs::path& folder) {
-  if (!bench_.isOpen()) return;
-  const bool is_other = generation_ != bench_.generation();
-  generation_ = bench_.generation();
+  if (!bench_.document->isOpen()) return;
+  const bool is_other = generation_ != bench_.document->generation();
+  generation_ = bench_.document->generation();
   is_shown_ = true;
   written_.reset();
   error_.clear();
@@ -82,7 +87,7 @@ void ExportPlan::show(const fs::path& folder) {
     choice_ = all.front().choice;
     forgetCheck();
   }
-  if (named_for_ != bench_.source()) is_named_ = false;
+  if (named_for_ != bench_.document->source()) is_named_ = false;
   if (!is_named_) suggestFile(suggestedFolder(folder));
   lookForReplaced();
   wants_check_ = !isCurrent();
@@ -91,15 +96,16 @@ void ExportPlan::show(const fs::path& folder) {
 void ExportPlan::hide() {
   is_shown_ = wants_check_ = false;
   wants_write_.reset();
-  if (work_ == Work::kCheck) bench_.cancelJob();
+  if (work_ == Work::kCheck) bench_.jobs->cancel();
 }
 
 void ExportPlan::update() {
-  if (auto shown = showing_.poll(); shown && !*shown) bench_.complain(shown->error());
-  if (prepared_ && generation_ != bench_.generation()) forgetCheck();  // its meshes are large
+  if (auto shown = showing_.poll(); shown && !*shown) bench_.notices->complain(shown->error());
+  if (prepared_ && generation_ != bench_.document->generation()) forgetCheck();  // its meshes are large
   if (!is_shown_) return;
-  if (!bench_.isOpen() || bench_.isImporting() || generation_ != bench_.generation()) return hide();
-  if (bench_.job() || !std::exchange(wants_check_, false)) return;
+  if (!bench_.document->isOpen() || bench_.imports->isImporting() || generation_ != bench_.document->generation())
+    return hide();
+  if (bench_.jobs->running() || !std::exchange(wants_check_, false)) return;
   start(Work::kCheck, {});
 }
 
@@ -107,8 +113,8 @@ void ExportPlan::update() {
 
 std::vector<ExportOffer> ExportPlan::offers() const {
   std::vector<ExportOffer> out;
-  if (!bench_.isOpen()) return out;
-  const LiveScene& scene = bench_.scene();
+  if (!bench_.document->isOpen()) return out;
+  const LiveScene& scene = bench_.document->scene();
   const bool are_several = scene.pieceCount() > 1;
   const auto isWorkedOn = [](const SceneObject* object) { return !object->isBeside(); };
   const bool is_moved = std::any_of(scene.shown().begin(), scene.shown().end(),
@@ -121,8 +127,8 @@ std::vector<ExportOffer> ExportPlan::offers() const {
     for (const SceneObject* object : scene.shown())
       if (isWorkedOn(object)) out.push_back({phrase("Only {}", object->name), {.only = object->id}});
   }
-  for (const Neighbour& other : bench_.neighbours())
-    if (const SceneObject* const object = bench_.findNeighbour(other.name))
+  for (const Neighbour& other : bench_.neighbours->list())
+    if (const SceneObject* const object = bench_.neighbours->find(other.name))
       out.push_back({phrase("Beside: {}", other.name), {.beside = object->loaded}});
   return out;
 }
@@ -133,7 +139,7 @@ void ExportPlan::choose(const ExportChoice& choice) {
   forgetCheck();
   if (!is_named_) suggestFile(file_.parent_path());
   lookForReplaced();
-  if (work_ == Work::kCheck) bench_.cancelJob();  // the check of the previous choice
+  if (work_ == Work::kCheck) bench_.jobs->cancel();  // the check of the previous choice
   wants_check_ = is_shown_;
 }
 
@@ -169,7 +175,7 @@ Expected<void> ExportPlan::setFile(const fs::path& file) {
   file_ = fs::absolute(next, failed);
   if (failed) file_ = next;
   is_named_ = true;
-  named_for_ = bench_.source();
+  named_for_ = bench_.document->source();
   written_.reset();
   error_.clear();
   lookForReplaced();
@@ -179,7 +185,7 @@ Expected<void> ExportPlan::setFile(const fs::path& file) {
 void ExportPlan::setName(const std::string& name) {
   file_ = file_.parent_path() / fs::path(name).filename();
   is_named_ = true;
-  named_for_ = bench_.source();
+  named_for_ = bench_.document->source();
   written_.reset();
   error_.clear();
   lookForReplaced();
@@ -188,8 +194,9 @@ void ExportPlan::setName(const std::string& name) {
 // Beside the user's scan, but never in the program's own data folder.
 fs::path ExportPlan::suggestedFolder(const fs::path& otherwise) const {
   std::error_code failed;
-  const fs::path source = fs::absolute(bench_.source(), failed);
-  const bool is_users = !bench_.source().empty() && !failed && !isWithin(source, bench_.options_.data_folder);
+  const fs::path source = fs::absolute(bench_.document->source(), failed);
+  const bool is_users =
+      !bench_.document->source().empty() && !failed && !isWithin(source, bench_.options().data_folder);
   if (is_users && takesFiles(source.parent_path())) return source.parent_path();
   if (takesFiles(otherwise)) return otherwise;
   return fs::current_path(failed);
@@ -197,11 +204,12 @@ fs::path ExportPlan::suggestedFolder(const fs::path& otherwise) const {
 
 void ExportPlan::suggestFile(const fs::path& folder) {
   const std::string ending = format() ? file_.extension().string() : ".stl";
-  std::string name = bench_.name() + "-cut";
+  std::string name = bench_.document->name() + "-cut";
   if (choice_.only) {
-    if (const SceneObject* const piece = bench_.scene().find(*choice_.only)) name = bench_.name() + "-" + piece->name;
+    if (const SceneObject* const piece = bench_.document->scene().find(*choice_.only))
+      name = bench_.document->name() + "-" + piece->name;
   } else if (choice_.beside > 0) {
-    for (const SceneObject* object : bench_.scene().shown())
+    for (const SceneObject* object : bench_.document->scene().shown())
       if (object->loaded == choice_.beside) name = object->name + "-cut";
   }
   std::replace(name.begin(), name.end(), '/', '-');
@@ -215,7 +223,7 @@ void ExportPlan::lookForReplaced() {
   std::vector<fs::path> files{file_};
   if (choice_.is_each) {
     PreparedExport names{.is_each = true};
-    for (const SceneObject* object : bench_.scene().shown())
+    for (const SceneObject* object : bench_.document->scene().shown())
       if (!object->isBeside()) names.parts.push_back({.piece = object->name});
     files = prepared_ ? prepared_->filesFor(file_) : names.filesFor(file_);
   }
@@ -226,7 +234,7 @@ void ExportPlan::lookForReplaced() {
 
 // ---- Check result
 
-bool ExportPlan::isCurrent() const { return prepared_ && stamp_ && stamp_ == bench_.stampNow(); }
+bool ExportPlan::isCurrent() const { return prepared_ && stamp_ && stamp_ == bench_.results->stampNow(); }
 
 bool ExportPlan::isOutdated() const { return prepared_ && !isCurrent(); }
 
@@ -267,11 +275,11 @@ void ExportPlan::check() {
 
 // Writes checked meshes as they are; else waits for a copy of the scene, makes meshes and checks them.
 void ExportPlan::start(Work work, Permission permission) {
-  if (bench_.isBusy() || bench_.isSawing()) return;
-  if (work == Work::kWrite && !bench_.mayExportTo(file_)) return;
-  const LiveRun* const run = bench_.run();
+  if (bench_.jobs->isBusy() || bench_.saw->isBusy()) return;
+  if (work == Work::kWrite && !bench_.results->mayExportTo(file_)) return;
+  const LiveRun* const run = bench_.document->run();
   const bool is_new = work == Work::kCheck || !isCurrent();
-  const auto given = is_new ? bench_.orderScene() : nullptr;
+  const auto given = is_new ? bench_.results->orderScene() : nullptr;
   const auto kept = is_new ? nullptr : prepared_;
   const bool writes = work == Work::kWrite;
 
@@ -291,11 +299,10 @@ void ExportPlan::start(Work work, Permission permission) {
     out.written = std::move(written);
     return out;
   };
-  auto job = std::make_unique<Job<Outcome>>(
-      writes ? phrase("exporting {}", file_.filename().string()) : "checking what would be exported", job_of);
-  bench_.job_writes_ = writes;
-  bench_.when_over_ = [this, job = job.get(), is_new, writes] { take(job->take(), is_new, writes); };
-  bench_.job_ = std::move(job);
+  const auto take_it = [this, is_new, writes](Expected<Outcome> outcome) { take(std::move(outcome), is_new, writes); };
+  bench_.jobs->start<Outcome>(
+      writes ? Jobs::Kind::kWrites : Jobs::Kind::kReads,
+      writes ? phrase("exporting {}", file_.filename().string()) : "checking what would be exported", job_of, take_it);
   work_ = work;
 }
 
@@ -307,10 +314,10 @@ void ExportPlan::take(Expected<Outcome> outcome, bool is_new, bool was_written) 
     const bool is_cancelled = outcome.error().code == Error::Code::kCancelled;
     if (is_new) prepared_.reset();
     error_ = is_cancelled ? "" : outcome.error().message();
-    if (was_written || !is_cancelled) bench_.complain(outcome.error());
+    if (was_written || !is_cancelled) bench_.notices->complain(outcome.error());
     return;
   }
-  const std::optional<CutStamp> stamp = is_new ? bench_.handed_over_ : outcome->stamp;
+  const std::optional<CutStamp> stamp = is_new ? bench_.results->handedOver() : outcome->stamp;
   const bool is_still_chosen = outcome->choice == choice_;
   if (is_still_chosen) {
     prepared_ = outcome->prepared;
@@ -319,10 +326,10 @@ void ExportPlan::take(Expected<Outcome> outcome, bool is_new, bool was_written) 
   }
 
   if (outcome->written) {
-    if (outcome->choice.isWhole()) bench_.exported_ = stamp;
+    if (outcome->choice.isWhole()) bench_.results->markExported(stamp);
     // The panel reports it, unless a choice changed meanwhile.
     const bool is_as_decided = is_still_chosen && outcome->file == file_;
-    if (!is_shown_ || !is_as_decided) bench_.say(outcome->written->text);
+    if (!is_shown_ || !is_as_decided) bench_.notices->say(outcome->written->text);
     if (is_as_decided) written_ = std::move(outcome->written);
     return lookForReplaced();
   }
@@ -336,7 +343,7 @@ void ExportPlan::take(Expected<Outcome> outcome, bool is_new, bool was_written) 
                        .expected = "a mesh that is",
                        .hint = "read why, and export once more to write it all the same"};
   error_ = doubtful.message();
-  bench_.complain(doubtful);
+  bench_.notices->complain(doubtful);
 }
 
 void ExportPlan::write(Permission permission) {
@@ -348,7 +355,7 @@ void ExportPlan::write(Permission permission) {
   if (!format()) {
     const Error wrong = wrongEnding(file_).value();
     error_ = wrong.message();
-    return bench_.complain(wrong);
+    return bench_.notices->complain(wrong);
   }
   const std::vector<fs::path> told = asks_to_replace_ ? replaced_ : std::vector<fs::path>{};
   lookForReplaced();
@@ -371,7 +378,7 @@ void ExportPlan::askToReplace(const fs::path& untold) {
                     .expected = "another name",
                     .hint = "export once more to replace it, too"};
   error_ = there.message();
-  bench_.complain(there);
+  bench_.notices->complain(there);
 }
 
 Expected<void> ExportPlan::showInFolder() {

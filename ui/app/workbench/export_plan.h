@@ -16,6 +16,7 @@
 
 #include "geometry/base/error.h"
 #include "ui/app/base/show_in_folder.h"
+#include "ui/app/document/part.h"
 #include "ui/app/session/exporting.h"
 #include "ui/app/tool/cut_stamp.h"
 
@@ -36,7 +37,8 @@ struct ExportFinding {
   std::string text;
 };
 
-class ExportPlan {
+/// Window thread only.
+class ExportPlan final : public Part {
  public:
   explicit ExportPlan(Workbench& bench) : bench_(bench) {}
 
@@ -44,8 +46,7 @@ class ExportPlan {
   /// Suggests a file, if possible beside the scan, and starts the check.   @param folder  fallback; may be empty.
   void show(const std::filesystem::path& folder);
   void hide();
-  /// The workbench calls it once a frame.
-  void update();
+  void update() override;
 
   // ---- Choices
 
@@ -144,9 +145,6 @@ class ExportPlan {
   std::optional<WrittenExport> written_;
   ShowInFolder showing_;
 };
-
-/// For the export job: waits for the handed-over scene.   Error kCancelled.
-Expected<SceneCopy> waitForScene(std::future<SceneView>& given, const Progress& progress);
 
 /// State as one JSON object, for scripts.
 std::string exportState(const ExportPlan& plan);

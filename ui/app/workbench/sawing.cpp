@@ -5,6 +5,10 @@
 #include <numbers>
 
 #include "ui/app/base/language.h"
+#include "ui/app/document/document.h"
+#include "ui/app/workbench/steps.h"
+#include "ui/app/workbench/strokes.h"
+#include "ui/app/workbench/tools.h"
 #include "ui/app/workbench/workbench.h"
 
 namespace kerf {
@@ -58,21 +62,21 @@ double firstTissue(const SawPlane& plane, const SawBlade& blade, const BrickFiel
 // ---- Planes
 
 SawBlade Sawing::blade() const {
-  for (std::size_t n = 0; n <= bench_.toolCount(); ++n) {
-    const std::size_t which = n == 0 ? bench_.toolInHand() : n - 1;
-    if (which >= bench_.toolCount()) continue;
-    if (const auto blade = SawBlade::of(bench_.tool(which))) return *blade;
+  for (std::size_t n = 0; n <= bench_.tools->count(); ++n) {
+    const std::size_t which = n == 0 ? bench_.tools->inHand() : n - 1;
+    if (which >= bench_.tools->count()) continue;
+    if (const auto blade = SawBlade::of(bench_.tools->at(which))) return *blade;
   }
   return {};
 }
 
 Expected<void> Sawing::requireOpen() const {
-  if (bench_.isOpen()) return {};
+  if (bench_.document->isOpen()) return {};
   return refuse(Error::Code::kEmpty, "nothing is open", "an object to saw", "open a scan first");
 }
 
 bool Sawing::isMoved() const {
-  const auto shown = bench_.scene().shown();
+  const auto shown = bench_.document->scene().shown();
   return std::any_of(shown.begin(), shown.end(), [](const SceneObject* piece) { return piece->isMoved(); });
 }
 
@@ -85,7 +89,7 @@ Expected<void> Sawing::requireUnmoved() const {
 
 Expected<SurfaceHit> Sawing::hit(const Ray& ray) const {
   KERF_CHECK(requireOpen());
-  if (const auto at = bench_.scene().hit(ray)) return at->on_surface;
+  if (const auto at = bench_.document->scene().hit(ray)) return at->on_surface;
   return refuse(Error::Code::kEmpty, "nothing is there", "a pixel of the object", "point at the surface");
 }
 
@@ -98,7 +102,7 @@ Expected<SawPlane> Sawing::chosen() const {
 Expected<void> Sawing::addFitted(SawPlane plane, FitOptions options) {
   KERF_CHECK(requireUnmoved());
   KERF_CHECK(requireOpen());
-  KERF_TRY(fitted, fitToBone(std::move(plane), *bench_.run()->original(), blade(), options));
+  KERF_TRY(fitted, fitToBone(std::move(plane), *bench_.document->run()->original(), blade(), options));
   plan_.add(fitted);
   return {};
 }
@@ -123,7 +127,7 @@ Expected<void> Sawing::addAlongLine(const Ray& from, const Ray& to) {
   for (int n = 0; n < kAlongLine; ++n) {
     const double part = static_cast<double>(n) / (kAlongLine - 1), away = std::abs(part - 0.5);
     if (away >= best) continue;
-    const auto at = bench_.scene().hit(rayBetween(from, to, part));
+    const auto at = bench_.document->scene().hit(rayBetween(from, to, part));
     if (!at) continue;
     nearest = at->on_surface;
     best = away;
@@ -153,7 +157,7 @@ Expected<void> Sawing::addFromView(const Ray& at, const Vec3d& right) {
 Expected<void> Sawing::addAlongFace(const Ray& at, double below_mm) {
   KERF_CHECK(hit(at));
   // The mean normal around the point, as a tool stands there.
-  const auto over = toolOver(bench_.scene(), *bench_.run()->original(), at, Plunge{});
+  const auto over = toolOver(bench_.document->scene(), *bench_.document->run()->original(), at, Plunge{});
   const Vec3d normal = over ? over->normal : Vec3d(-at.direction);
   KERF_TRY(under, hit(at));
   KERF_TRY(plane, planeSquareTo(under.point - below_mm * normal, normal));
@@ -197,7 +201,7 @@ Expected<void> Sawing::resize(std::optional<double> width_mm, std::optional<doub
 
 std::optional<SawClearance> Sawing::clearance() {
   const SawPlane* const plane = plan_.chosen();
-  const Structures* const structures = bench_.structures();
+  const Structures* const structures = bench_.document->structures();
   if (!plane || !structures || structures->isEmpty()) return {};
   const double kerf = blade().kerf;
   if (measured_.version != plan_.version() || measured_.kerf != kerf || measured_.of != structures)
@@ -210,7 +214,7 @@ Expected<void> Sawing::fit() {
   KERF_CHECK(requireOpen());
   // From a point within the rectangle, whose entering side lies outside the bone.
   plane.point = plane.fromPlane(0, 0.5 * std::min(plane.depth, 6.0));
-  KERF_TRY(fitted, fitToBone(plane, *bench_.run()->original(), blade(), {.keeps_approach = true}));
+  KERF_TRY(fitted, fitToBone(plane, *bench_.document->run()->original(), blade(), {.keeps_approach = true}));
   plan_.replaceChosen(fitted);
   return {};
 }
@@ -226,16 +230,16 @@ Expected<void> Sawing::load(const fs::path& file) {
 
 std::string Sawing::sawsOfTheRack() const {
   std::string out;
-  for (std::size_t n = 0; n < bench_.toolCount(); ++n)
-    if (SawBlade::of(bench_.tool(n))) out += (out.empty() ? "" : ", ") + bench_.tool(n).id;
+  for (std::size_t n = 0; n < bench_.tools->count(); ++n)
+    if (SawBlade::of(bench_.tools->at(n))) out += (out.empty() ? "" : ", ") + bench_.tools->at(n).id;
   return out;
 }
 
 // In air, as low above the first pass as the whole blade has room.
 Expected<Rigid3> Sawing::startAbove(const SawPlane& plane, const SawBlade& blade, double u, double v,
                                     bool is_turned) const {
-  const BrickField& bone = *bench_.run()->original();
-  const Mesh body = toolMesh(bench_.tool(bench_.toolInHand()), kBodyTolerance);
+  const BrickField& bone = *bench_.document->run()->original();
+  const Mesh body = toolMesh(bench_.tools->held(), kBodyTolerance);
   for (double lift = kLift; lift <= kMostLift; lift += 0.5) {
     const Rigid3 pose = blade.poseAt(plane.fromPlane(u, v - lift), plane.normal, plane.approach, is_turned);
     const auto isFree = [&](const Vec3d& p) { return bone.sample(pose * p) > 0; };
@@ -252,10 +256,10 @@ Expected<void> Sawing::cut(double force_n) {
   KERF_TRY(plane, chosen());
   if (cutting_)
     return refuse(Error::Code::kUnsupported, "a plane is being sawn", "one at a time", "wait for it, or saw.stop");
-  if (bench_.isPressed() || bench_.undos_left_ != 0)
+  if (bench_.strokes->isPressed() || bench_.steps->undosLeft() != 0)
     return refuse(Error::Code::kUnsupported, "the tool is in use", "a tool at rest", "let go of the button first");
 
-  const Tool& tool = bench_.tool(bench_.toolInHand());
+  const Tool& tool = bench_.tools->held();
   const auto blade = SawBlade::of(tool);
   if (!blade) {
     const std::string saws = sawsOfTheRack();
@@ -263,7 +267,7 @@ Expected<void> Sawing::cut(double force_n) {
                   saws.empty() ? "kerf-sim --tool saw-reciprocating-25 opens with one" : "one of " + saws);
   }
 
-  const BrickField& bone = *bench_.run()->original();
+  const BrickField& bone = *bench_.document->run()->original();
   const bool is_turned = isTurned(plane, *blade, bone.bounds());
   SawPlane reached = plane;
   reached.depth = std::min(plane.depth, blade->most_depth);
@@ -289,7 +293,7 @@ Expected<void> Sawing::cut(double force_n) {
   order.back = -plane.approach;
   order.force = std::clamp(force_n, kLeastForce, kMostForce);
   order.feed = kFeed;
-  order.irrigation = bench_.irrigation;
+  order.irrigation = bench_.strokes->irrigation;
   const auto add = [&](double u, double v, bool cuts) {
     const Vec3d front_at = plane.fromPlane(u, v);
     order.ways[order.count++] = {blade->poseAt(front_at, plane.normal, plane.approach, is_turned).translation, cuts};
@@ -301,34 +305,43 @@ Expected<void> Sawing::cut(double force_n) {
     add(pass.u, above, false);
   }
 
-  if (bench_.report().is_latched) bench_.send(ClearLatch{});
-  bench_.guided_->order(order);
+  if (bench_.document->report().is_latched) bench_.document->send(ClearLatch{});
+  bench_.document->guided().order(order);
   const Vec3d& p = start.translation;
   const Eigen::Quaterniond& q = start.rotation;
-  if (!bench_.send(PlaceTool{{p[0], p[1], p[2]}, {q.w(), q.x(), q.y(), q.z()}})) {
+  if (!bench_.document->send(PlaceTool{{p[0], p[1], p[2]}, {q.w(), q.x(), q.y(), q.z()}})) {
     order.is_wanted = false;
-    bench_.guided_->order(order);
+    bench_.document->guided().order(order);
     return refuse(Error::Code::kUnsupported, "the 1 kHz thread is busy", "a free place in its queue", "try again");
   }
-  const HapticReport& now = bench_.report();
+  const HapticReport& now = bench_.document->report();
   cutting_.emplace(Cutting{.order = order,
                            .section = SawnSection(plane, bone, tool, *blade),
                            .plane = plane,
                            .front = blade->front,
                            .kerf = blade->kerf,
-                           .removed_before = bench_.removedMm3(),
+                           .removed_before = bench_.document->removedMm3(),
                            .last = start,
                            .began = now.tick,
                            .cleared = now.tick});
-  bench_.timeline_.beginPlannedCut(plane.name);
+  bench_.steps->beginPlannedCut(plane.name);
   last_share_ = 0;
   return {};
+}
+
+bool Sawing::isBusy() {
+  if (!cutting_) return false;
+  bench_.notices->complain({.code = Error::Code::kUnsupported,
+                            .found = "a plane is being sawn",
+                            .expected = "a tool at rest",
+                            .hint = "wait for it, or stop it (saw.stop)"});
+  return true;
 }
 
 void Sawing::stop() {
   if (!cutting_ || !cutting_->order.is_wanted) return;
   cutting_->order.is_wanted = false;
-  bench_.guided_->order(cutting_->order);
+  bench_.document->guided().order(cutting_->order);
 }
 
 // Undo waits: tissue would come back around a blade that is still in it.
@@ -344,7 +357,7 @@ std::optional<SawingStatus> Sawing::status() const {
   out.share = cutting_->section.share();
   out.planned_mm3 = plannedMm3();
   out.removed_mm3 = removedMm3();
-  out.seconds = kTick * static_cast<double>(bench_.report().tick - cutting_->began);
+  out.seconds = kTick * static_cast<double>(bench_.document->report().tick - cutting_->began);
   out.is_stopping = !cutting_->order.is_wanted;
   if (out.share > 0.03) out.left_s = out.seconds * (1 - out.share) / out.share;
   return out;
@@ -352,14 +365,14 @@ std::optional<SawingStatus> Sawing::status() const {
 
 // Volume of the planned section in the present cut.
 double Sawing::plannedMm3() const { return cutting_->section.plannedMm2() * cutting_->kerf; }
-double Sawing::removedMm3() const { return bench_.removedMm3() - cutting_->removed_before; }
+double Sawing::removedMm3() const { return bench_.document->removedMm3() - cutting_->removed_before; }
 
 void Sawing::markSawn(const GuidedReport& report) {
-  const Rigid3& now = bench_.report().output.T_world_tool;
+  const Rigid3& now = bench_.document->report().output.T_world_tool;
   Cutting& c = *cutting_;
   if (report.stage == GuidedStage::kCutting) {
     const bool cuts = report.way < c.order.count && c.order.ways[report.way].cuts;
-    if (cuts && bench_.report().output.touching > 0)
+    if (cuts && bench_.document->report().output.touching > 0)
       c.aside = std::max(c.aside, std::abs(c.plane.toPlane(now * c.front)[2]));
     const Vec3d way = now.translation - c.last.translation;
     const int steps = std::clamp(static_cast<int>(way.norm() / kMarkEvery), 1, 200);
@@ -373,21 +386,21 @@ void Sawing::markSawn(const GuidedReport& report) {
 
 void Sawing::update() {
   saveSoon();
-  if (!cutting_ || !bench_.isOpen()) return;
+  if (!cutting_ || !bench_.document->isOpen()) return;
   Cutting& c = *cutting_;
-  bench_.guided_->update();
-  const GuidedReport report = bench_.guided_->report();
-  const HapticReport& now = bench_.report();
+  bench_.document->guided().update();
+  const GuidedReport report = bench_.document->guided().report();
+  const HapticReport& now = bench_.document->report();
 
   if (report.id != c.order.id) {  // the tool is not there yet
     if (now.tick < c.began + kBeginsWithin) return;
-    bench_.complain({.code = Error::Code::kUnsupported,
-                     .place = c.plane.name,
-                     .found = "the blade was not put above the bone",
-                     .hint = "saw.cut again"});
+    bench_.notices->complain({.code = Error::Code::kUnsupported,
+                              .place = c.plane.name,
+                              .found = "the blade was not put above the bone",
+                              .hint = "saw.cut again"});
     stop();
     cutting_.reset();
-    bench_.timeline_.endPlannedCut();
+    bench_.steps->endPlannedCut();
     return;
   }
   if (!c.is_begun) c.last = now.output.T_world_tool;
@@ -395,7 +408,7 @@ void Sawing::update() {
 
   // A mouse cannot be jerked like an arm: after a late clock it continues.
   if (now.is_latched && now.tick > c.cleared + kClearEvery) {
-    bench_.send(ClearLatch{});
+    bench_.document->send(ClearLatch{});
     c.cleared = now.tick;
   }
   markSawn(report);
@@ -405,8 +418,8 @@ void Sawing::update() {
 void Sawing::finish(const GuidedReport& report) {
   const Cutting& c = *cutting_;
   last_share_ = c.section.share();
-  bench_.timeline_.endPlannedCut();
-  const double seconds = kTick * static_cast<double>(bench_.report().tick - c.began);
+  bench_.steps->endPlannedCut();
+  const double seconds = kTick * static_cast<double>(bench_.document->report().tick - c.began);
   const double percent = std::floor(1000 * last_share_) / 10;
   const bool is_whole = last_share_ >= 0.995, is_aside = c.aside >= kAsideIsTold;
 
@@ -423,40 +436,40 @@ void Sawing::finish(const GuidedReport& report) {
   if (c.section.beyondMm2() > 0.5)
     text +=
         phrase("; {:.1f} mm2 beside the rectangle were in the blade's way and are sawn, too", c.section.beyondMm2());
-  bench_.say(std::move(text));
+  bench_.notices->say(std::move(text));
   const bool is_undone = c.is_undone_after;
   cutting_.reset();
-  if (is_undone) bench_.undo();
+  if (is_undone) bench_.steps->undo();
 }
 
 // ---- The guide
 
 bool Sawing::isGuiding() const {
-  return !isMoved() && guide && plan_.chosen() && bench_.isOpen() && SawBlade::of(bench_.tool(bench_.toolInHand()));
+  return !isMoved() && guide && plan_.chosen() && bench_.document->isOpen() && SawBlade::of(bench_.tools->held());
 }
 
 Vec3d Sawing::tipToFront() const {
   const SawPlane& plane = *plan_.chosen();
   const SawBlade now = blade();
-  const bool is_turned = isTurned(plane, now, bench_.run()->original()->bounds());
+  const bool is_turned = isTurned(plane, now, bench_.document->run()->original()->bounds());
   const Rigid3 pose = now.poseAt(Vec3d::Zero(), plane.normal, plane.approach, is_turned);
   const Vec3d front = -pose.translation;
   return front - plane.approach.dot(front) * plane.approach;
 }
 
 std::optional<ToolOverSurface> Sawing::over(const Ray& ray) const {
-  const auto pointed = bench_.scene().hit(ray);
+  const auto pointed = bench_.document->scene().hit(ray);
   if (!pointed) return {};
   const SawPlane& plane = *plan_.chosen();
   const Vec3d at = plane.toPlane(pointed->on_surface.point);
   if (std::abs(at[2]) > kBesidePlane || std::abs(at[0]) > 0.5 * plane.width + kBesideEdge) return {};
 
-  const BrickField& loaded = *bench_.run()->original();
+  const BrickField& loaded = *bench_.document->run()->original();
   const Ray down{plane.fromPlane(at[0], -kFromAbove), plane.approach};
   const double reach = kFromAbove + plane.depth;
   const auto before = entry(loaded, down, kFromAbove - 2, reach);
   if (!before) return {};
-  const auto now = bench_.scene().hit({down.at(*before - 1), plane.approach});
+  const auto now = bench_.document->scene().hit({down.at(*before - 1), plane.approach});
 
   ToolOverSurface out;
   out.point = now && now->on_surface.way < reach ? now->on_surface.point : down.at(*before);
@@ -464,15 +477,15 @@ std::optional<ToolOverSurface> Sawing::over(const Ray& ray) const {
   out.depth = std::max(plane.approach.dot(out.point - down.at(*before)), 0.0);
   const SawBlade blade_now = blade();
   out.front = tipToFront();
-  out.reach = bench_.plunges_[bench_.tool_].reach;
+  out.reach = bench_.tools->plunge().reach;
   out.T_world_tool =
       blade_now.poseAt(out.point, plane.normal, plane.approach, isTurned(plane, blade_now, loaded.bounds()));
   return out;
 }
 
-// ---- For the Workbench
+// ---- The open document
 
-void Sawing::opened() {
+void Sawing::opened(Opening /*how*/) {
   cutting_.reset();
   plan_.clear();
   saved_ = seen_ = plan_.version();
@@ -482,11 +495,12 @@ void Sawing::opened() {
 }
 
 void Sawing::closing() {
+  if (!bench_.document->isOpen()) return;
   stop();
   cutting_.reset();
   if (plan_.version() != saved_)
-    if (const auto written = plan_.save(bench_.sessionFolder() / kSawPlanFile); !written)
-      bench_.complain(written.error());
+    if (const auto written = plan_.save(bench_.document->sessionFolder() / kSawPlanFile); !written)
+      bench_.notices->complain(written.error());
   saved_ = plan_.version();
 }
 
@@ -497,10 +511,10 @@ void Sawing::saveSoon() {
     seen_ = plan_.version();
     changed_ = now;
   }
-  if (!bench_.isOpen() || seen_ == saved_ || now - changed_ < kSaveAfter) return;
+  if (!bench_.document->isOpen() || seen_ == saved_ || now - changed_ < kSaveAfter) return;
   saved_ = seen_;
-  if (const auto written = plan_.save(bench_.sessionFolder() / kSawPlanFile); !written)
-    bench_.complain(written.error());
+  if (const auto written = plan_.save(bench_.document->sessionFolder() / kSawPlanFile); !written)
+    bench_.notices->complain(written.error());
 }
 
 }  // namespace kerf

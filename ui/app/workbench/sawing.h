@@ -1,6 +1,6 @@
 // Sawing by plan: the planes of the open object, planned cuts through the 1 kHz thread, the guide for sawing by mouse.
 //
-// The Workbench owns it, on its thread. Errors name a remedy. A notice reports the end of a cut.
+// Errors name a remedy. A notice reports the end of a cut.
 #pragma once
 
 #include <array>
@@ -11,6 +11,7 @@
 
 #include "geometry/tool/saw_blade.h"
 #include "sim/hand/guided_hand.h"
+#include "ui/app/document/part.h"
 #include "ui/app/saw/saw_clearance.h"
 #include "ui/app/saw/saw_plan.h"
 #include "ui/app/saw/saw_section.h"
@@ -36,7 +37,8 @@ struct SawingStatus {
   bool is_stopping = false;      ///< stopped early: the blade is on its way out
 };
 
-class Sawing {
+/// Window thread only.
+class Sawing final : public Part {
  public:
   static constexpr double kLeastForce = 0.5, kMostForce = 8;  ///< N
   static constexpr double kUsualForce = 5;                    ///< N: usual for saws in bone are 2 to 8
@@ -88,12 +90,16 @@ class Sawing {
   Expected<void> cut(double force_n);
   /// Stops the cut early: draws the blade out. The sawn part stays, as one stroke.
   void stop();
+  /// As stop(), and undoes the cut once the blade is out.
+  void stopAndUndo();
   bool isCutting() const { return cutting_.has_value(); }
+  /// As isCutting(), and says so in a notice.
+  bool isBusy();
   std::optional<SawingStatus> status() const;
   /// Sawn part of the planned section in the last planned cut, 0 to 1; 0: no cut.
   double lastShare() const { return last_share_; }
-  /// Takes the reports of the cut. Once a frame.
-  void update();
+  /// Takes the reports of the cut.
+  void update() override;
 
   // ---- The guide
 
@@ -106,12 +112,8 @@ class Sawing {
   /// From the tip of a guided tool to its front, perpendicular to the approach, world, mm.
   Vec3d tipToFront() const;
 
-  // ---- For the Workbench
-
-  void opened();  ///< another document was opened: no planes
-  /// As stop(), and undoes the cut once the blade is out.
-  void stopAndUndo();
-  void closing();  ///< writes the plan to the session's folder
+  void opened(Opening how) override;  ///< no planes yet
+  void closing() override;            ///< writes the plan to the session's folder
 
  private:
   struct Cutting {

@@ -3,10 +3,15 @@
 #include <cstdint>
 #include <utility>
 
+#include "ui/app/document/document.h"
+#include "ui/app/document/view_state.h"
 #include "ui/app/tool/tool_look.h"
 #include "ui/app/view/piece_colours.h"
 #include "ui/app/view/tissue_display.h"
+#include "ui/app/workbench/force_device.h"
 #include "ui/app/workbench/sawing.h"
+#include "ui/app/workbench/strokes.h"
+#include "ui/app/workbench/tools.h"
 
 namespace kerf {
 namespace {
@@ -20,8 +25,8 @@ std::size_t numberOf(std::uint32_t object, TissuePart part) {
 
 // Parts of tissues have numbers beyond those of objects.
 bool isBeside(const Workbench& bench, std::size_t object) {
-  if (!bench.run() || bench.run()->neighbours().empty() || object > UINT32_MAX) return false;
-  return bench.run()->isBeside(static_cast<std::uint32_t>(object));
+  if (!bench.document->run() || bench.document->run()->neighbours().empty() || object > UINT32_MAX) return false;
+  return bench.document->run()->isBeside(static_cast<std::uint32_t>(object));
 }
 
 }  // namespace
@@ -33,9 +38,9 @@ Expected<std::unique_ptr<LiveView>> LiveView::create() {
 
 void LiveView::update(Workbench& bench) {
   const std::vector<ObjectChunks> changed = bench.update();
-  if (bench.generation() != generation_) {
+  if (bench.document->generation() != generation_) {
     if (before_clear_) before_clear_();
-    generation_ = bench.generation();
+    generation_ = bench.document->generation();
     renderer_->clear();
     placed_.clear();
     sections_.clear();
@@ -45,7 +50,7 @@ void LiveView::update(Workbench& bench) {
     tints_.clear();
     tool_.reset();
     hover_.reset();
-    is_fit_wanted_ = !bench.keepsView();
+    is_fit_wanted_ = !bench.document->keepsView();
   }
   lookForPieces(bench, changed);
   for (const ObjectChunks& object : changed)
@@ -71,16 +76,16 @@ void LiveView::lookForPieces(const Workbench& bench, const std::vector<ObjectChu
 // Maps cover the object to cut. Their colours are values, so pieces keep their hue.
 void LiveView::setChunk(const Workbench& bench, std::size_t object, const MeshChunk& chunk) {
   if (isBeside(bench, object))
-    return renderer_->setChunk(object, chunk, bench.tissues().coloursBeside(chunk), chunk.occlusion);
-  std::vector<Rgba8> colours = bench.tissues().coloursOf(chunk);
+    return renderer_->setChunk(object, chunk, bench.views->tissues().coloursBeside(chunk), chunk.occlusion);
+  std::vector<Rgba8> colours = bench.views->tissues().coloursOf(chunk);
   const auto tinted = tints_.find(static_cast<std::uint32_t>(object & UINT32_MAX));
-  if (tinted != tints_.end() && !bench.tissues().isMap())
+  if (tinted != tints_.end() && !bench.views->tissues().isMap())
     if (const PieceColour* const colour = findPieceColour(tinted->second)) tint(colours, *colour);
   renderer_->setChunk(object, chunk, colours, chunk.occlusion);
 }
 
 void LiveView::takeTissues(Workbench& bench) {
-  for (const TissueDisplay::Change& change : bench.tissues().takeChanges()) {
+  for (const TissueDisplay::Change& change : bench.views->tissues().takeChanges()) {
     const std::size_t number = numberOf(change.object, change.part);
     if (change.is_new) {
       is_whole_wanted_ |= !isUploading();
@@ -91,7 +96,7 @@ void LiveView::takeTissues(Workbench& bench) {
     parts_[number].update(change.chunks);
     for (const MeshChunkPtr& chunk : change.chunks) setChunk(bench, number, *chunk);
   }
-  if (!bench.tissues().areAllShown()) return;
+  if (!bench.views->tissues().areAllShown()) return;
   is_whole_wanted_ |= !parts_.empty();  // while its parts were shown, the surface itself was uploaded last
   for (const auto& [number, surface] : std::exchange(parts_, {})) {
     renderer_->removeObject(number);
@@ -101,8 +106,10 @@ void LiveView::takeTissues(Workbench& bench) {
 
 // Another map: recomputes all colours.
 void LiveView::recolour(const Workbench& bench) {
-  if (std::exchange(colours_version_, bench.tissues().coloursVersion()) == bench.tissues().coloursVersion()) return;
-  for (const SceneObject* object : bench.scene().shown()) recolour(bench, *object);
+  if (std::exchange(colours_version_, bench.views->tissues().coloursVersion()) ==
+      bench.views->tissues().coloursVersion())
+    return;
+  for (const SceneObject* object : bench.document->scene().shown()) recolour(bench, *object);
 }
 
 void LiveView::recolour(const Workbench& bench, const SceneObject& object) {
@@ -114,7 +121,7 @@ void LiveView::recolour(const Workbench& bench, const SceneObject& object) {
 
 // A piece with a colour chosen by the user.
 void LiveView::tintPieces(const Workbench& bench) {
-  for (const SceneObject* object : bench.scene().shown()) {
+  for (const SceneObject* object : bench.document->scene().shown()) {
     std::string& tint = tints_[object->id];
     if (tint == object->colour) continue;
     tint = object->colour;
@@ -131,9 +138,9 @@ void LiveView::place(std::size_t object, const Rigid3& pose, bool is_visible, bo
 
 void LiveView::placeObjects(const Workbench& bench) {
   for (const std::size_t number : std::exchange(placed_, {})) renderer_->setVisible(number, false);
-  const TissueDisplay& tissues = bench.tissues();
+  const TissueDisplay& tissues = bench.views->tissues();
   const bool has_solid = tissues.hasPart(TissuePart::kSolid), is_ghost = tissues.isOwnSurfaceGhost();
-  for (const SceneObject* object : bench.scene().shown()) {
+  for (const SceneObject* object : bench.document->scene().shown()) {
     const bool is_seen = !object->is_hidden;
     if (object->isBeside()) {
       place(object->id, object->pose(), is_seen, object->is_ghost);
@@ -147,36 +154,36 @@ void LiveView::placeObjects(const Workbench& bench) {
 
 // Materials in the plane, recomputed for an object when the plane has moved through it.
 void LiveView::showSection(const Workbench& bench) {
-  if (!bench.section) return;
-  const bool has_parts = bench.tissues().hasPart(TissuePart::kSolid);
-  for (const SceneObject* object : bench.scene().shown()) {
+  if (!bench.views->section) return;
+  const bool has_parts = bench.views->tissues().hasPart(TissuePart::kSolid);
+  for (const SceneObject* object : bench.document->scene().shown()) {
     if (object->is_hidden) continue;
     const std::size_t number = has_parts && !object->isBeside() ? numberOf(object->id, TissuePart::kSolid) : object->id;
     const Rigid3 to_object = object->pose().inverse();
-    const Plane local{to_object * bench.section->point, to_object.rotation * bench.section->normal};
+    const Plane local{to_object * bench.views->section->point, to_object.rotation * bench.views->section->normal};
     const auto known = sections_.find(number);
     if (known != sections_.end() && known->second.point == local.point && known->second.normal == local.normal)
       continue;
     sections_[number] = local;
-    renderer_->setSection(number, bench.tissues().sectionAt(local, object->loaded));
+    renderer_->setSection(number, bench.views->tissues().sectionAt(local, object->loaded));
   }
 }
 
 bool LiveView::takeFitWanted() { return std::exchange(is_fit_wanted_, false); }
 
 void LiveView::showTool(const Workbench& bench) {
-  if (!bench.isShown() || tool_ == bench.toolInHand()) return;
-  tool_ = bench.toolInHand();
-  renderer_->setTool(lookOf(bench.tool(*tool_)));
+  if (!bench.document->isShown() || tool_ == bench.tools->inHand()) return;
+  tool_ = bench.tools->inHand();
+  renderer_->setTool(lookOf(bench.tools->at(*tool_)));
 }
 
 LiveFrame LiveView::frameOf(const Workbench& bench, const Camera& camera) {
   LiveFrame frame;
-  if (!bench.isShown()) return frame;
-  frame.section = bench.section;
+  if (!bench.document->isShown()) return frame;
+  frame.section = bench.views->section;
   frame.plan = saw_.planOf(bench, camera);
-  if (bench.watched() || bench.isPressed() || bench.isLed() || bench.saw().isCutting()) {
-    frame.T_world_tool = bench.report().output.T_world_tool;
+  if (bench.document->watched() || bench.strokes->isPressed() || bench.device->isLed() || bench.saw->isCutting()) {
+    frame.T_world_tool = bench.document->report().output.T_world_tool;
   } else if (hover_) {
     frame.T_world_tool = hover_->T_world_tool;
     frame.is_ghost = true;

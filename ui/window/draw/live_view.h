@@ -11,7 +11,10 @@
 #include <utility>
 
 #include "geometry/base/error.h"
+#include "ui/app/tool/stroke.h"
 #include "ui/app/view/camera.h"
+#include "ui/app/view/live_scene.h"
+#include "ui/app/view/live_surface.h"
 #include "ui/app/workbench/workbench.h"
 #include "ui/window/draw/live_renderer.h"
 #include "ui/window/draw/saw_view.h"

@@ -1,7 +1,9 @@
 #include "ui/window/draw/saw_view.h"
 
+#include "ui/app/document/document.h"
 #include "ui/app/saw/saw_contour.h"
 #include "ui/app/workbench/sawing.h"
+#include "ui/app/workbench/tools.h"
 #include "ui/app/workbench/workbench.h"
 
 namespace kerf {
@@ -21,26 +23,26 @@ LiveSlab slabOf(const SawPlane& plane, double kerf, const LiveScene& scene) {
 
 void SawView::findSlabs(const Workbench& bench) {
   slabs_.clear();
-  const SawPlan& plan = bench.saw().plan();
-  const double kerf = bench.saw().blade().kerf;
+  const SawPlan& plan = bench.saw->plan();
+  const double kerf = bench.saw->blade().kerf;
   for (std::size_t n = 0; n < plan.planes().size(); ++n) {
-    slabs_.push_back(slabOf(plan.planes()[n], kerf, bench.scene()));
+    slabs_.push_back(slabOf(plan.planes()[n], kerf, bench.document->scene()));
     slabs_.back().is_chosen = n == plan.chosenIndex();
   }
 }
 
 LivePlan SawView::planOf(const Workbench& bench, const Camera& camera) {
   LivePlan out;
-  if (!bench.isOpen()) return out;
-  const Sawing& saw = bench.saw();
+  if (!bench.document->isOpen()) return out;
+  const Sawing& saw = *bench.saw;
   const auto now = std::chrono::steady_clock::now();
   const bool is_new =
-      saw.plan().version() != version_ || bench.generation() != generation_ || bench.toolInHand() != tool_;
+      saw.plan().version() != version_ || bench.document->generation() != generation_ || bench.tools->inHand() != tool_;
   if (is_new || (is_outdated_ && now - found_ > kContourEvery)) {
     findSlabs(bench);
     version_ = saw.plan().version();
-    generation_ = bench.generation();
-    tool_ = bench.toolInHand();
+    generation_ = bench.document->generation();
+    tool_ = bench.tools->inHand();
     found_ = now;
     is_outdated_ = false;
   }

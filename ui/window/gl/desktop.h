@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "geometry/base/error.h"
-#include "ui/app/commands/settings.h"
+#include "ui/app/settings/settings.h"
 #include "ui/window/gl/key_trickle.h"
 
 struct GLFWwindow;

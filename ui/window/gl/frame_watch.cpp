@@ -6,6 +6,10 @@
 #include <cmath>
 #include <iterator>
 
+#include "ui/app/document/document.h"
+#include "ui/app/document/jobs.h"
+#include "ui/app/workbench/strokes.h"
+
 namespace kerf {
 namespace {
 
@@ -18,18 +22,18 @@ double percentile(std::vector<double> values, double share) {
 }
 
 std::string partOf(const Workbench& bench) {
-  if (const AnyJob* const job = bench.job()) {
+  if (const AnyJob* const job = bench.jobs->running()) {
     const std::string title = job->status().title;
     return title.substr(0, title.find(' '));
   }
-  return bench.isPressed() ? "cutting" : "resting";
+  return bench.strokes->isPressed() ? "cutting" : "resting";
 }
 
 }  // namespace
 
 void FrameWatch::begin(const Workbench& bench) {
   began_ = Clock::now();
-  meshed_ = bench.run() ? bench.run()->editsDone() : 0;
+  meshed_ = bench.document->run() ? bench.document->run()->editsDone() : 0;
 }
 
 void FrameWatch::end(const Workbench& bench) {
@@ -37,18 +41,18 @@ void FrameWatch::end(const Workbench& bench) {
   ms_[partOf(bench)].push_back(std::chrono::duration<double, std::milli>(now - began_).count());
   ++frame_;
 
-  if (bench.generation() != generation_) {
-    generation_ = bench.generation();
+  if (bench.document->generation() != generation_) {
+    generation_ = bench.document->generation();
     carved_.clear();
     pushed_ = tick_ = 0;
   }
-  const HapticReport& report = bench.report();
+  const HapticReport& report = bench.document->report();
   if (report.counts.edits_pushed > pushed_) carved_.push_back({pushed_ = report.counts.edits_pushed, frame_});
   // For a carve between two frames, the first frame that could show it counts.
   for (; !carved_.empty() && carved_.front().edits <= meshed_; carved_.pop_front())
     lags_.push_back(static_cast<double>(frame_ - carved_.front().frame + 1));
 
-  const bool is_cutting = bench.isPressed() && !bench.job();
+  const bool is_cutting = bench.strokes->isPressed() && !bench.jobs->running();
   if (is_cutting && was_cutting_) {
     cutting_s_ += std::chrono::duration<double>(now - before_).count();
     cutting_ticks_ += report.tick - tick_;

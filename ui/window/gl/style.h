@@ -4,7 +4,7 @@
 #include <imgui.h>
 
 #include "geometry/base/types.h"
-#include "ui/app/commands/settings.h"
+#include "ui/app/settings/settings.h"
 #include "ui/window/gl/widgets.h"
 
 namespace kerf {

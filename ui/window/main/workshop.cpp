@@ -19,17 +19,26 @@
 
 #include "geometry/base/text.h"
 #include "ui/app/base/language.h"
+#include "ui/app/settings/settings.h"
 #include "ui/app/commands/app_commands.h"
 #include "ui/app/commands/pointing.h"
 #include "ui/app/commands/quit.h"
-#include "ui/app/commands/settings.h"
 #include "ui/app/commands/view_commands.h"
-#include "ui/app/hand/game_controller.h"
+#include "ui/app/controller/game_controller.h"
+#include "ui/app/document/document.h"
+#include "ui/app/document/file_history.h"
+#include "ui/app/document/jobs.h"
 #include "ui/app/hand/gamepad_map.h"
 #include "ui/app/hand/space_mouse_link.h"
 #include "ui/app/hand/stroke_pointer.h"
 #include "ui/app/session/arm_lead.h"
+#include "ui/app/workbench/force_device.h"
+#include "ui/app/workbench/imports.h"
+#include "ui/app/workbench/replays.h"
 #include "ui/app/workbench/sawing.h"
+#include "ui/app/workbench/strokes.h"
+#include "ui/app/workbench/tool_monitor.h"
+#include "ui/app/workbench/tools.h"
 #include "ui/sound/alsa_output.h"
 #include "ui/sound/sound_thread.h"
 #include "ui/window/draw/import_view.h"
@@ -84,17 +93,17 @@ class Workshop {
     };
     context_.asks_before_quit = true;
     panels_.ask_for_file = [this](const AppCommand& command) { askForFile(command); };
-    if (settings_.error()) bench_.complain(*settings_.error());
+    if (settings_.error()) bench_.notices->complain(*settings_.error());
     say(showLanguage(settings_.values.language, settings_.path().parent_path()));
-    bench_.setForce(settings_.values.force_N);
-    bench_.depth_mm = settings_.values.depth_mm;
+    bench_.strokes->setForce(settings_.values.force_N);
+    bench_.strokes->depth_mm = settings_.values.depth_mm;
     if (settings_.values.is_perspective)
       setFieldOfView(camera_, settings_.values.perspective_deg * std::numbers::pi / 180);
     files_.setFolder(settings_.values.last_folder);
     if (!options_.replay.empty())
-      bench_.watch(options_.replay);
+      bench_.replays->open(options_.replay);
     else
-      bench_.beginImports(options_.open);
+      bench_.imports->beginAll(options_.open);
 
     while (!wants_end_) KERF_CHECK(frame());
     game_controller_.shake({});
@@ -113,14 +122,14 @@ class Workshop {
   }
 
   Expected<void> frame() {
-    const bool is_idle = !bench_.isShown() && !bench_.job();
+    const bool is_idle = !bench_.document->isShown() && !bench_.jobs->running();
     const bool comes_at_once = options_.frames > 0 || desktop_.isBehind();
     comes_at_once ? glfwPollEvents() : glfwWaitEventsTimeout(is_idle ? 0.25 : 1.0 / 60);
     glfwGetWindowSize(desktop_.window(), &window_width_, &window_height_);
     glfwGetFramebufferSize(desktop_.window(), &context_.width, &context_.height);
     if (context_.width == 0 || context_.height == 0 || window_width_ == 0) {  // minimised
-      bench_.release();                                                       // no cutting while hidden
-      bench_.arm().pause(true);
+      bench_.strokes->release();                                              // no cutting while hidden
+      bench_.device->arm().pause(true);
       (void)desktop_.takeEvents();
       (void)game_controller_.read();
       game_controller_.shake({});
@@ -133,11 +142,12 @@ class Workshop {
       return {};
     }
 
-    bench_.arm().pause(files_.isShown());
+    bench_.device->arm().pause(files_.isShown());
     view_->update(bench_);
     printNotices();
-    if (!bench_.scene().bounds().isEmpty() && view_->takeFitWanted()) fitFirst();
-    if (bench_.isShown() && !bench_.scene().bounds().isEmpty()) box_ = bench_.scene().bounds();
+    if (!bench_.document->scene().bounds().isEmpty() && view_->takeFitWanted()) fitFirst();
+    if (bench_.document->isShown() && !bench_.document->scene().bounds().isEmpty())
+      box_ = bench_.document->scene().bounds();
     updateImport();
     updateSound();
     applySettings();
@@ -150,10 +160,10 @@ class Workshop {
     files_.update(context_);
     ImGui::Render();
 
-    const bool is_still =
-        secondsSince(last_input_) > kStillAfter && !bench_.isPressed() && !bench_.isLed() && !bench_.isPlaying();
+    const bool is_still = secondsSince(last_input_) > kStillAfter && !bench_.strokes->isPressed() &&
+                          !bench_.device->isLed() && !bench_.replays->isPlaying();
     const bool is_smooth = is_still && !is_software_;
-    if (bench_.isImporting())
+    if (bench_.imports->isImporting())
       KERF_CHECK(import_view_->draw(camera_, context_.width, context_.height, is_smooth));
     else
       KERF_CHECK(view_->draw(bench_, camera_, context_.width, context_.height,
@@ -174,7 +184,7 @@ class Workshop {
   // For a terminal, if enabled.
   void printNotices() {
     if (!options_.tells) return;
-    for (const auto& notices = bench_.notices(); told_ < notices.size(); ++told_)
+    for (const auto& notices = bench_.notices->list(); told_ < notices.size(); ++told_)
       printText(stderr, "kerf-sim: {}: {}\n", notices[told_].is_error ? "error" : "note", notices[told_].text);
   }
 
@@ -191,16 +201,17 @@ class Workshop {
   void updateSound() {
     const Settings& now = settings_.values;
     const double volume = now.is_muted ? 0 : 0.01 * now.sound_volume;
-    if (!sound_ && bench_.isOpen() && volume > 0) sound_ = std::make_unique<SoundThread>(openAlsa);
+    if (!sound_ && bench_.document->isOpen() && volume > 0) sound_ = std::make_unique<SoundThread>(openAlsa);
     if (!sound_) return;
 
     DrillSoundInput heard;
-    if (bench_.isOpen()) {
-      const std::size_t n = bench_.toolInHand();
-      heard = drillSoundOf(bench_.report(), bench_.tool(n), bench_.run()->model().tools[n].drive, volume);
+    if (bench_.document->isOpen()) {
+      const std::size_t n = bench_.tools->inHand();
+      heard = drillSoundOf(bench_.document->report(), bench_.tools->at(n),
+                           bench_.document->run()->model().tools[n].drive, volume);
     }
     sound_->play(heard);
-    if (const auto error = sound_->takeError()) bench_.say(phrase("The drill is silent: {}", error->found));
+    if (const auto error = sound_->takeError()) bench_.notices->say(phrase("The drill is silent: {}", error->found));
   }
 
   // Theme and scale, if they have changed.
@@ -222,9 +233,9 @@ class Workshop {
     camera_before_import_.reset();  // another document is open now
     const auto camera = cameraFromView(options_.view);
     firstView(context_, camera ? *camera : Camera{});
-    setTitle(bench_.name());
-    box_ = bench_.scene().bounds();
-    picture_of_ = bench_.source();
+    setTitle(bench_.document->name());
+    box_ = bench_.document->scene().bounds();
+    picture_of_ = bench_.document->source();
     is_picture_due_ = true;
   }
 
@@ -237,7 +248,8 @@ class Workshop {
     auto image = view_->picture(bench_, camera, kCardWidth, kCardHeight);
     if (!image) return;  // a missing picture is no failure
     writing_picture_ = std::make_unique<Job<void>>(
-        "a picture", [image = std::move(*image), to = bench_.recent().pictureOf(picture_of_)](const Progress&) {
+        "a picture",
+        [image = std::move(*image), to = bench_.history->recent().pictureOf(picture_of_)](const Progress&) {
           std::error_code ignored;
           fs::create_directories(to.parent_path(), ignored);
           return writePng(to, image);
@@ -251,13 +263,13 @@ class Workshop {
 
   // During an import an open session pauses; its view returns when the import is closed.
   void updateImport() {
-    const ImportSet* const set = bench_.importSet();
+    const ImportSet* const set = bench_.imports->set();
     import_view_->update(set ? std::optional(set->picture(panels_.import.shows_solid)) : std::nullopt);
     if (set && !camera_before_import_) camera_before_import_ = camera_;
     if (!set && camera_before_import_) {
       if (!view_->isFitWanted()) {
         camera_ = *camera_before_import_;
-        setTitle(bench_.isOpen() ? bench_.name() : "");
+        setTitle(bench_.document->isOpen() ? bench_.document->name() : "");
       }
       camera_before_import_.reset();
     }
@@ -280,7 +292,7 @@ class Workshop {
       last_input_ = Clock::now();
       switch (e.kind) {
         case InputEvent::Kind::kDrop:
-          bench_.importMore(e.paths);
+          bench_.imports->addMore(e.paths);
           break;
         case InputEvent::Kind::kKey:
           key(e, io.WantTextInput);
@@ -300,16 +312,17 @@ class Workshop {
       }
     }
     takeDevices();
-    pressHarder(io.KeyShift && !bench_.isOnPedal());  // Shift means a larger step there
+    pressHarder(io.KeyShift && !bench_.strokes->isOnPedal());  // Shift means a larger step there
     panels_.pixels = pixels();
     context_.pointer = io.WantCaptureMouse ? std::nullopt : std::optional(std::array{pointer()[0], pointer()[1]});
     panels_.piece_drag.hover(context_, pointer());
     const bool is_on_handle = panels_.piece_drag.lit().has_value();
-    const bool is_picking = bench_.saw().picking.what() != SawPicking::What::kNothing;
+    const bool is_picking = bench_.saw->picking.what() != SawPicking::What::kNothing;
     const bool is_on_panel = io.WantCaptureMouse && !is_led_by_device_;
-    const bool hovers = !is_on_panel && held_ == kNone && !is_on_handle && !is_picking && !bench_.isImporting();
-    over_ = hovers ? bench_.over(rayAtPixel(stroke_.at())) : std::nullopt;
-    if (bench_.isPressed() || bench_.isLed() || bench_.saw().isCutting()) over_.reset();
+    const bool hovers =
+        !is_on_panel && held_ == kNone && !is_on_handle && !is_picking && !bench_.imports->isImporting();
+    over_ = hovers ? bench_.strokes->over(rayAtPixel(stroke_.at())) : std::nullopt;
+    if (bench_.strokes->isPressed() || bench_.device->isLed() || bench_.saw->isCutting()) over_.reset();
     view_->hover(over_);
   }
 
@@ -317,13 +330,13 @@ class Workshop {
   void takeDevices() {
     const Clock::time_point now = Clock::now();
     const double seconds = std::chrono::duration<double>(now - std::exchange(devices_read_, now)).count();
-    const bool is_ours =
-        bench_.isOpen() && !bench_.isImporting() && glfwGetWindowAttrib(desktop_.window(), GLFW_FOCUSED) == GLFW_TRUE;
+    const bool is_ours = bench_.document->isOpen() && !bench_.imports->isImporting() &&
+                         glfwGetWindowAttrib(desktop_.window(), GLFW_FOCUSED) == GLFW_TRUE;
     const auto pad = game_controller_.read();
     gamepad_.update(context_, stroke_, is_ours ? pad : std::nullopt, seconds);
     shakePad(is_ours);
-    if (const auto news = game_controller_.news()) bench_.say(*news);
-    if (const auto news = space_mouse_link_.news()) bench_.say(*news);
+    if (const auto news = game_controller_.news()) bench_.notices->say(*news);
+    if (const auto news = space_mouse_link_.news()) bench_.notices->say(*news);
     const auto knob = space_mouse_link_.read();
     showDevices(knob, pad);
     space_mouse_.update(context_, stroke_, settings_.values.space_mouse, is_ours ? knob : std::nullopt, seconds);
@@ -334,8 +347,8 @@ class Workshop {
 
   // The pad shakes while it drills. It stands still out of focus, in a pause, and when nothing turns.
   void shakePad(bool is_ours) {
-    const bool shakes = is_ours && gamepad_.isUsed() && bench_.isPressed();
-    game_controller_.shake(shakes ? rumbleOf(bench_.report(), bench_.driveShare()) : Rumble{});
+    const bool shakes = is_ours && gamepad_.isUsed() && bench_.strokes->isPressed();
+    game_controller_.shake(shakes ? rumbleOf(bench_.document->report(), bench_.monitor->driveShare()) : Rumble{});
   }
 
   // For their panel, while it is shown.
@@ -386,22 +399,22 @@ class Workshop {
 
   // The foot pedal ends with its key.
   void keyUp(int key) {
-    if (key == GLFW_KEY_SPACE && bench_.isOnPedal()) bench_.release();
+    if (key == GLFW_KEY_SPACE && bench_.strokes->isOnPedal()) bench_.strokes->release();
   }
 
   // Keys that hold a stroke or nudge it.
   bool leadsStroke(const InputEvent& e) {
-    if (e.key == GLFW_KEY_SPACE && e.modifiers == 0 && bench_.watched()) {
+    if (e.key == GLFW_KEY_SPACE && e.modifiers == 0 && bench_.document->watched()) {
       if (!e.is_repeated) say(runAppCommand(context_, "replay.toggle", {}));
       return true;
     }
     if (e.key == GLFW_KEY_SPACE && e.modifiers == 0) {
       const bool is_over_picture = context_.pointer.has_value();
-      if (!e.is_repeated && bench_.isOpen() && !bench_.isImporting())
-        bench_.stepOnPedal(is_over_picture ? std::optional(rayAtPixel(stroke_.at())) : std::nullopt);
+      if (!e.is_repeated && bench_.document->isOpen() && !bench_.imports->isImporting())
+        bench_.strokes->stepOnPedal(is_over_picture ? std::optional(rayAtPixel(stroke_.at())) : std::nullopt);
       return true;
     }
-    if (!bench_.isPressed()) return false;
+    if (!bench_.strokes->isPressed()) return false;
     const std::optional<Vec3d> direction = nudgeOf(e.key);
     if (!direction) return false;
     stroke_.nudge(context_, *direction, heldKeys(e.modifiers));
@@ -428,7 +441,7 @@ class Workshop {
   }
 
   HeldKeys heldKeys(int modifiers) const {
-    const bool tilts = (modifiers & GLFW_MOD_ALT) && held_ == kNone && bench_.isOpen();
+    const bool tilts = (modifiers & GLFW_MOD_ALT) && held_ == kNone && bench_.document->isOpen();
     return {tilts, (modifiers & GLFW_MOD_CONTROL) != 0, (modifiers & GLFW_MOD_SHIFT) != 0};
   }
 
@@ -443,22 +456,22 @@ class Workshop {
   }
 
   void say(const Expected<void>& done) {
-    if (!done) bench_.complain(done.error());
+    if (!done) bench_.notices->complain(done.error());
   }
 
   // The left button picks points or a line of a plane.
   bool isPicking(const InputEvent& e) const {
-    return e.key == GLFW_MOUSE_BUTTON_LEFT && bench_.saw().picking.what() != SawPicking::What::kNothing;
+    return e.key == GLFW_MOUSE_BUTTON_LEFT && bench_.saw->picking.what() != SawPicking::What::kNothing;
   }
 
   void button(const InputEvent& e, bool is_on_panel) {
     x_ = e.x;
     y_ = e.y;
-    SawPicking& picking = bench_.saw().picking;
-    if (isPicking(e) && !is_on_panel && e.is_down && bench_.isOpen())
-      return say(picking.press(bench_.saw(), rayAt(x_, y_)));
+    SawPicking& picking = bench_.saw->picking;
+    if (isPicking(e) && !is_on_panel && e.is_down && bench_.document->isOpen())
+      return say(picking.press(*bench_.saw, rayAt(x_, y_)));
     if (!e.is_down && picking.lineFrom() && e.key == GLFW_MOUSE_BUTTON_LEFT)
-      return say(picking.release(bench_.saw(), rayAt(x_, y_)));
+      return say(picking.release(*bench_.saw, rayAt(x_, y_)));
 
     if (!e.is_down) {
       if (e.key == GLFW_MOUSE_BUTTON_LEFT) {
@@ -471,7 +484,7 @@ class Workshop {
     if (is_on_panel) return;
     palette_.hide();
     if (e.key == GLFW_MOUSE_BUTTON_LEFT && panels_.piece_drag.press(context_, pointer())) return;
-    if (e.key != GLFW_MOUSE_BUTTON_LEFT || bench_.isImporting() || !stroke_.press(context_, pointer())) {
+    if (e.key != GLFW_MOUSE_BUTTON_LEFT || bench_.imports->isImporting() || !stroke_.press(context_, pointer())) {
       held_ = e.key;
       pans_ = e.key == GLFW_MOUSE_BUTTON_MIDDLE || (e.modifiers & GLFW_MOD_SHIFT);
       pivot_ = pans_ ? std::nullopt : pointUnder(context_, pointer()[0], pointer()[1]);
@@ -485,8 +498,8 @@ class Workshop {
     is_led_by_device_ = false;
     if (panels_.piece_drag.isOn()) return panels_.piece_drag.move(context_, pointer());
     stroke_.move(context_, pointer(), heldKeys(e.modifiers));
-    if (bench_.isPressed() && !bench_.isOnPedal()) return;
-    bench_.saw().picking.move(rayAt(x_, y_));
+    if (bench_.strokes->isPressed() && !bench_.strokes->isOnPedal()) return;
+    bench_.saw->picking.move(rayAt(x_, y_));
     if (held_ == kNone) return;
     if (pans_)
       pan(camera_, dx, dy, context_.height);
@@ -495,15 +508,15 @@ class Workshop {
   }
 
   void scroll(double notches) {
-    if (bench_.isPressed()) return bench_.deepen(-kNotch * notches);
+    if (bench_.strokes->isPressed()) return bench_.strokes->deepen(-kNotch * notches);
     zoomAt(context_, pointer()[0], pointer()[1], std::pow(1.15, notches));
   }
 
   void pressHarder(bool is_wanted) {
-    const bool is_harder = is_wanted && bench_.isPressed();
+    const bool is_harder = is_wanted && bench_.strokes->isPressed();
     if (is_harder == is_harder_) return;
     is_harder_ = is_harder;
-    bench_.pushHarder(is_harder ? kHarder : 1);
+    bench_.strokes->pushHarder(is_harder ? kHarder : 1);
   }
 
   // ---- Files

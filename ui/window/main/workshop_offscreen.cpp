@@ -10,10 +10,16 @@
 #include <utility>
 
 #include "geometry/base/text.h"
+#include "ui/app/settings/settings.h"
 #include "ui/app/commands/app_commands.h"
-#include "ui/app/commands/settings.h"
 #include "ui/app/commands/view_commands.h"
+#include "ui/app/document/document.h"
+#include "ui/app/document/jobs.h"
+#include "ui/app/document/view_state.h"
 #include "ui/app/script/app_script.h"
+#include "ui/app/workbench/replays.h"
+#include "ui/app/workbench/sessions.h"
+#include "ui/app/workbench/tools.h"
 #include "ui/window/draw/live_view.h"
 #include "ui/window/gl/frame_watch.h"
 #include "ui/window/gl/gl_context.h"
@@ -37,7 +43,7 @@ Expected<void> runOffscreen(const WorkshopOptions& options, const Play& play) {
   if (!gl) return fail(gl.error());
   KERF_TRY(view, LiveView::create());
   Workbench bench(options.bench);
-  bench.waitForTools();  // does not wait for frames
+  bench.tools->takeRack(true);  // does not wait for frames
   KERF_TRY(camera, cameraFromView(options.view));
   const Camera first = camera;
   SettingsFile settings(options.config);
@@ -46,7 +52,7 @@ Expected<void> runOffscreen(const WorkshopOptions& options, const Play& play) {
   context.screenshot = [&](const fs::path& png) -> Expected<void> {
     view->update(bench);
     KERF_TRY(image, view->picture(bench, camera, context.width, context.height));
-    if (const auto legend = legendOf(bench.tissues().colours())) drawLegend(image, *legend);
+    if (const auto legend = legendOf(bench.views->tissues().colours())) drawLegend(image, *legend);
     return writePng(png, image);
   };
   LiveView& shown = *view;
@@ -57,26 +63,26 @@ Expected<void> runOffscreen(const WorkshopOptions& options, const Play& play) {
     context.wants_quit |= toldToEnd() != 0;
     watch.begin(bench);
     shown.update(bench);
-    if (!bench.scene().bounds().isEmpty() && shown.takeFitWanted()) firstView(context, first);
+    if (!bench.document->scene().bounds().isEmpty() && shown.takeFitWanted()) firstView(context, first);
     if (!screen) return;
     glBindFramebuffer(GL_FRAMEBUFFER, screen->id());
     if (const auto drawn = shown.draw(bench, camera, context.width, context.height, LiveView::Edges::kFast); !drawn)
-      bench.complain(drawn.error());
+      bench.notices->complain(drawn.error());
     glFinish();
     watch.end(bench);
   };
   if (!options.replay.empty())
-    bench.watch(options.replay);
+    bench.replays->open(options.replay);
   else if (options.open.size() == 1)
-    bench.open(options.open.front());
+    bench.sessions->open(options.open.front());
   else if (options.open.size() > 1)
-    bench.openAll(options.open);
+    bench.sessions->openAll(options.open);
   auto played = play(context, frame);
   const auto ended = endAll(bench, *view);
   view.reset();
   if (screen) printText("{}\n", watch.summary());
   screen.reset();
-  for (const Notice& notice : bench.notices())
+  for (const Notice& notice : bench.notices->list())
     if (!notice.is_error) printText("{}\n", notice.text);
   if (!played) return fail(std::move(played).error());
   if (!ended) return fail(ended.error());

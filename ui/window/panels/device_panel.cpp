@@ -7,7 +7,9 @@
 #include <cmath>
 
 #include "ui/app/base/language.h"
+#include "ui/app/document/jobs.h"
 #include "ui/app/session/arm_lead.h"
+#include "ui/app/workbench/force_device.h"
 #include "ui/window/gl/style.h"
 #include "ui/window/gl/widgets.h"
 
@@ -17,7 +19,7 @@ namespace {
 constexpr float kWidth = 330, kBox = 140;  // window units
 
 void say(AppContext& context, const Expected<void>& done) {
-  if (!done) context.bench.complain(done.error());
+  if (!done) context.bench.notices->complain(done.error());
 }
 void command(AppContext& context, const char* id) { say(context, runAppCommand(context, id)); }
 
@@ -159,7 +161,7 @@ void drawArming(AppContext& context, const ArmView& view) {
 }
 
 void drawChoices(AppContext& context) {
-  ArmLead& arm = context.bench.arm();
+  ArmLead& arm = context.bench.device->arm();
   ArmChoice choice = arm.choice();
   bool is_set = false;
   const auto slider = [&](const char* id, double& value, double low, double high, const char* text) {
@@ -182,7 +184,7 @@ void drawChoices(AppContext& context) {
 }
 
 void drawArm(AppContext& context) {
-  const ArmView view = context.bench.arm().view();
+  const ArmView view = context.bench.device->arm().view();
   heading("Force-feedback device");
   if (view.what.empty()) {
     wrapped(styleColours().quiet,

@@ -9,6 +9,7 @@
 
 #include "geometry/formats/mesh_formats.h"
 #include "ui/app/base/language.h"
+#include "ui/app/document/jobs.h"
 #include "ui/app/workbench/export_plan.h"
 #include "ui/window/gl/style.h"
 #include "ui/window/gl/widgets.h"
@@ -45,7 +46,7 @@ void drawFormat(AppContext& context, ExportPlan& plan) {
   if (!ui::beginCombo("##format", now ? labelOf(*now) : "an ending that is not written")) return;
   for (const MeshFormatRow* format : ExportPlan::formats()) {
     if (!ui::selectable(labelOf(*format), format == now)) continue;
-    if (const auto set = plan.setFormat(std::string(format->name)); !set) context.bench.complain(set.error());
+    if (const auto set = plan.setFormat(std::string(format->name)); !set) context.bench.notices->complain(set.error());
   }
   ImGui::EndCombo();
 }
@@ -72,7 +73,7 @@ void drawWhere(ExportPlan& plan, const std::function<void(const AppCommand&)>& a
 // ---- Result of the check
 
 void drawExportProgress(AppContext& context) {
-  const AnyJob* const job = context.bench.job();
+  const AnyJob* const job = context.bench.jobs->running();
   if (!job) return ui::textColored(styleColours().quiet, "Checking...");
   const JobStatus s = job->status();
   ui::progressBar(static_cast<float>(s.done), {-scaled(110), 0});
@@ -80,7 +81,7 @@ void drawExportProgress(AppContext& context) {
   if (s.is_cancelling)
     ui::text("Cancelling...");
   else if (plainButton("Cancel###cancel-job", "", -1))
-    context.bench.cancelJob();
+    context.bench.jobs->cancel();
   std::string line = shownText(s.title) + (s.step.empty() ? "" : ": " + shownText(s.step));
   if (s.left_s) line += phrase("   about {:.0f} s left", std::ceil(*s.left_s));
   ui::textColored(styleColours().quiet, ui::asItIs(line));
@@ -112,7 +113,7 @@ void drawExportFindings(ExportPlan& plan) {
 // ---- Progress
 
 void runExport(AppContext& context, const char* id) {
-  if (const auto done = runAppCommand(context, id); !done) context.bench.complain(done.error());
+  if (const auto done = runAppCommand(context, id); !done) context.bench.notices->complain(done.error());
 }
 
 void drawExportButtons(AppContext& context, ExportPlan& plan) {
@@ -126,7 +127,7 @@ void drawExportButtons(AppContext& context, ExportPlan& plan) {
     if (strongButton(verb, "Enter", scaled(stage == Stage::kDoubtful ? 220 : 150))) plan.write();
   }
   ImGui::SameLine();
-  const bool is_idle = !context.bench.job();
+  const bool is_idle = !context.bench.jobs->running();
   if (is_idle && (stage == Stage::kUnchecked || stage == Stage::kRefused || plan.isOutdated())) {
     if (plainButton("Check again", "", scaled(120))) plan.check();
     ImGui::SameLine();
@@ -137,7 +138,7 @@ void drawExportButtons(AppContext& context, ExportPlan& plan) {
 }  // namespace
 
 void drawExportPanel(AppContext& context, const std::function<void(const AppCommand&)>& ask_for_file) {
-  ExportPlan& plan = context.bench.exporting();
+  ExportPlan& plan = *context.bench.exporting;
   if (!plan.isShown()) return;
   const ImGuiIO& io = ImGui::GetIO();
   ImGui::SetNextWindowPos({0.5f * io.DisplaySize.x, 0.45f * io.DisplaySize.y}, ImGuiCond_Always, {0.5f, 0.5f});
@@ -159,7 +160,7 @@ void drawExportPanel(AppContext& context, const std::function<void(const AppComm
 }
 
 bool exportPanelKey(AppContext& context, bool is_enter) {
-  ExportPlan& plan = context.bench.exporting();
+  ExportPlan& plan = *context.bench.exporting;
   if (!plan.isShown()) return false;
   if (!is_enter)
     plan.hide();

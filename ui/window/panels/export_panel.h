@@ -4,10 +4,11 @@
 #include <functional>
 
 #include "ui/app/commands/app_commands.h"
+#include "ui/app/workbench/export_plan.h"
 
 namespace kerf {
 
-/// Draws nothing unless bench.exporting() is shown.   @param ask_for_file  asks for a path, then runs the command with
+/// Draws nothing unless *bench.exporting is shown.   @param ask_for_file  asks for a path, then runs the command with
 /// it.
 void drawExportPanel(AppContext& context, const std::function<void(const AppCommand&)>& ask_for_file);
 

@@ -11,8 +11,11 @@
 
 #include "ui/app/base/language.h"
 #include "ui/app/commands/pointing.h"
+#include "ui/app/document/document.h"
+#include "ui/app/document/jobs.h"
 #include "ui/app/import/import_guides.h"
 #include "ui/app/import/import_set.h"
+#include "ui/app/workbench/imports.h"
 #include "ui/window/gl/style.h"
 #include "ui/window/gl/widgets.h"
 
@@ -34,7 +37,7 @@ constexpr std::array<WayRow, 4> kWays = {{
 }};
 
 void runImport(AppContext& context, const char* id, std::vector<std::string> words = {}) {
-  if (const auto done = runAppCommand(context, id, words); !done) context.bench.complain(done.error());
+  if (const auto done = runAppCommand(context, id, words); !done) context.bench.notices->complain(done.error());
 }
 
 // ---- Findings
@@ -146,7 +149,7 @@ void drawClosing(AppContext& context, ImportPlan& plan) {
         choice.holes_up_to_mm = static_cast<double>(most);
     }
   }
-  if (const auto done = plan.setClosing(choice); !done) context.bench.complain(done.error());
+  if (const auto done = plan.setClosing(choice); !done) context.bench.notices->complain(done.error());
 }
 
 // For a scan's plan and for a label volume.
@@ -197,9 +200,9 @@ void drawRole(AppContext& context, const ImportEntry& entry) {
   };
   choice(ImportRole::kCut, "cut", "Cut it");
   ImGui::SameLine();
-  if (context.bench.isOpen()) {
+  if (context.bench.document->isOpen()) {
     choice(ImportRole::kBeside, "beside", "Stand it beside");
-    if (ImGui::IsItemHovered()) ui::setTooltip(phrase("Beside {}, where its scan is.", context.bench.name()));
+    if (ImGui::IsItemHovered()) ui::setTooltip(phrase("Beside {}, where its scan is.", context.bench.document->name()));
     ImGui::SameLine();
   }
   choice(ImportRole::kTool, "tool", "Use it as a tool");
@@ -399,8 +402,8 @@ void drawPlane(ImDrawList& list, const Projection& at, const Plane& plane, const
 float importPanelWidth() { return scaled(kImportPanelWidth); }
 
 void drawImportPanel(AppContext& context, ImportPanelState& state) {
-  ImportSet* const set = context.bench.importSet();
-  if (!set || context.bench.job()) return;
+  ImportSet* const set = context.bench.imports->set();
+  if (!set || context.bench.jobs->running()) return;
   const ImGuiIO& io = ImGui::GetIO();
   const float top = ImGui::GetFrameHeight();
   ImGui::SetNextWindowPos({io.DisplaySize.x - importPanelWidth(), top}, ImGuiCond_Always);
@@ -450,7 +453,7 @@ void drawImportPanel(AppContext& context, ImportPanelState& state) {
 }
 
 void drawImportGuides(const AppContext& context, double pixels) {
-  const ImportSet* const set = context.bench.importSet();
+  const ImportSet* const set = context.bench.imports->set();
   if (!set) return;
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
   const Projection at{context.camera, context.width, context.height, pixels};
@@ -493,7 +496,7 @@ void drawImportGuides(const AppContext& context, double pixels) {
 }
 
 void viewScan(AppContext& context, double pixels) {
-  const ImportSet* const set = context.bench.importSet();
+  const ImportSet* const set = context.bench.imports->set();
   if (!set) return;
   constexpr double kTilt = 0.6;  // rad, off the occlusal view
   const ImportPicture picture = set->picture(false);

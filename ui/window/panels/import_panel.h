@@ -4,6 +4,7 @@
 
 #include "ui/app/commands/app_commands.h"
 #include "ui/app/view/camera.h"
+#include "ui/app/workbench/imports.h"
 
 namespace kerf {
 
@@ -17,7 +18,7 @@ struct ImportPanelState {
 inline constexpr float kImportPanelWidth = 400;
 float importPanelWidth();
 
-/// Draws the panel while bench.importSet() exists.
+/// Draws the panel while bench.imports->set() exists.
 void drawImportPanel(AppContext& context, ImportPanelState& state);
 
 /// Box, occlusal plane and base over the picture.   @param pixels  of the framebuffer in a window unit.

@@ -8,6 +8,7 @@
 
 #include "ui/app/base/language.h"
 #include "ui/app/commands/pointing.h"
+#include "ui/app/document/view_state.h"
 #include "ui/window/gl/style.h"
 #include "ui/window/gl/widgets.h"
 
@@ -20,7 +21,7 @@ constexpr float kPoint = 4;
 }  // namespace
 
 void drawMeasure(AppContext& context, double pixels) {
-  const Measure& measure = context.bench.measure;
+  const Measure& measure = context.bench.views->measure;
   if (measure.points().empty()) return;
 
   // On top of everything: the measured point may be hidden.

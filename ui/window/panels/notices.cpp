@@ -5,6 +5,9 @@
 #include <algorithm>
 
 #include "ui/app/base/language.h"
+#include "ui/app/document/document.h"
+#include "ui/app/document/jobs.h"
+#include "ui/app/workbench/imports.h"
 #include "ui/window/gl/style.h"
 #include "ui/window/gl/widgets.h"
 #include "ui/window/panels/import_panel.h"
@@ -42,12 +45,12 @@ NoticePlace noticePlace(float width, float height, float menu, float scale, Side
 }
 
 void drawNotices(AppContext& context, std::size_t& seen, std::size_t& drawn) {
-  const auto& notices = context.bench.notices();
+  const auto& notices = context.bench.notices->list();
   if (seen >= notices.size()) return;
   const ImGuiIO& io = ImGui::GetIO();
-  const SidePanels panels = context.bench.isImporting() ? SidePanels::kImport
-                            : context.bench.isShown()   ? SidePanels::kBoth
-                                                        : SidePanels::kNone;
+  const SidePanels panels = context.bench.imports->isImporting() ? SidePanels::kImport
+                            : context.bench.document->isShown()  ? SidePanels::kBoth
+                                                                 : SidePanels::kNone;
   const NoticePlace at = noticePlace(io.DisplaySize.x, io.DisplaySize.y, ImGui::GetFrameHeight(), scaled(1), panels);
   ImGui::SetNextWindowPos({at.middle, at.edge}, ImGuiCond_Always, {0.5f, at.hangs ? 0.0f : 1.0f});
   ImGui::SetNextWindowSizeConstraints({std::min(at.width, scaled(240)), 0}, {at.width, at.most_height});

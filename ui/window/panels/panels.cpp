@@ -8,10 +8,17 @@
 #include <cmath>
 
 #include "ui/app/base/language.h"
+#include "ui/app/settings/settings.h"
+#include "ui/app/readout/point_readout.h"
 #include "ui/app/commands/pointing.h"
-#include "ui/app/commands/settings.h"
+#include "ui/app/document/document.h"
+#include "ui/app/document/jobs.h"
 #include "ui/app/workbench/export_plan.h"
-#include "ui/app/workbench/point_readout.h"
+#include "ui/app/workbench/force_device.h"
+#include "ui/app/workbench/imports.h"
+#include "ui/app/workbench/scene_neighbours.h"
+#include "ui/app/workbench/strokes.h"
+#include "ui/app/workbench/tool_monitor.h"
 #include "ui/window/gl/style.h"
 #include "ui/window/gl/widgets.h"
 #include "ui/window/panels/export_panel.h"
@@ -31,7 +38,7 @@ namespace {
 
 void runOrSay(AppContext& context, const AppCommand& command) {
   if (!command.is_enabled(context)) return;
-  if (const auto done = command.run(context, {}); !done) context.bench.complain(done.error());
+  if (const auto done = command.run(context, {}); !done) context.bench.notices->complain(done.error());
 }
 
 // ---- Menus
@@ -40,8 +47,8 @@ void drawMenus(AppContext& context, PanelState& state) {
   if (!ImGui::BeginMainMenuBar()) return;
   for (const char* const heading : {"File", "Edit", "Tool", "Piece", "Saw", "Device", "Replay", "View"}) {
     if (!ui::beginMenu(heading)) continue;
-    for (const AppCommand& command : appCommands()) {
-      if (command.menu != heading) continue;
+    for (const AppCommand* const row : commandsOfMenu(heading)) {
+      const AppCommand& command = *row;
       const std::string label = fmt::format("{}###{}", command.label, command.id);
       if (!ui::menuItem(label, ui::asItIs(shownKey(command.key)), command.is_enabled(context))) continue;
       asksForFile(command) ? state.ask_for_file(command) : runOrSay(context, command);
@@ -72,9 +79,10 @@ void drawPoint(const AppContext& context, bool is_over) {
 // A warning that does not interrupt.
 void drawNearStructure(const Workbench& bench, const std::optional<ToolOverSurface>& over) {
   constexpr double kClose = 0.5;  // mm
-  if (bench.structures()->isEmpty()) return;
-  const auto near = bench.nearStructure(over);
-  const std::string name = near ? near->name : bench.nameOf(bench.structures()->all().front().material);
+  if (bench.document->structures()->isEmpty()) return;
+  const auto near = bench.monitor->nearStructure(over);
+  const std::string name =
+      near ? near->name : bench.document->nameOf(bench.document->structures()->all().front().material);
   const std::string label = phrase("To {}", shownText(name));
   if (!near) return reading(label.c_str(), "-", "mm");
   if (near->is_far) return reading(label.c_str(), phrase("over {:.0f}", near->distance_mm), "mm");
@@ -87,9 +95,9 @@ void drawNearStructure(const Workbench& bench, const std::optional<ToolOverSurfa
 // The same for neighbours: distance and removed volume.
 void drawNeighbours(const Workbench& bench, const std::optional<ToolOverSurface>& over) {
   constexpr double kClose = 0.2;  // mm
-  const std::vector<Neighbour> all = bench.neighbours();
+  const std::vector<Neighbour> all = bench.neighbours->list();
   if (all.empty()) return;
-  const auto near = bench.nearNeighbour(over);
+  const auto near = bench.monitor->nearNeighbour(over);
   const std::string label = phrase("To {}", near ? near->name : all.front().name);
   if (!near)
     reading(label.c_str(), "-", "mm");
@@ -108,22 +116,22 @@ void drawNeighbours(const Workbench& bench, const std::optional<ToolOverSurface>
 // The 1 kHz loop: rate, duration, overruns.
 void drawLoop(const Workbench& bench) {
   constexpr double kLeastHz = 995;
-  const auto hz = bench.loopHz();
+  const auto hz = bench.monitor->loopHz();
   reading("Loop", hz ? fmt::format("{:.0f}", *hz) : "-", "Hz", hz && *hz < kLeastHz);
-  const TimeHistogram& cost = bench.times().cost;
+  const TimeHistogram& cost = bench.document->times().cost;
   if (cost.count() > 0) reading("Tick p99", fmt::format("{:.2f}", cost.percentileMs(0.99)), "ms");
-  const HapticCounts& counts = bench.report().counts;
+  const HapticCounts& counts = bench.document->report().counts;
   reading("Overruns", fmt::format("{}", counts.overruns), phrase("of {}", counts.ticks).c_str());
 }
 
 void drawReadings(AppContext& context, const std::optional<ToolOverSurface>& over, PanelColumn& column) {
   const Workbench& bench = context.bench;
-  const HapticReport& r = bench.report();
+  const HapticReport& r = bench.document->report();
   column.place();
   ui::begin("Cut", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
-  const double speed = std::abs(bench.driveShare());
-  const char* const turns = bench.driveShare() < 0 ? "% backwards" : "%";
-  const auto tip = bench.tipDepth();
+  const double speed = std::abs(bench.monitor->driveShare());
+  const char* const turns = bench.monitor->driveShare() < 0 ? "% backwards" : "%";
+  const auto tip = bench.monitor->tipDepth();
   const auto depth = tip ? tip : over ? std::optional(over->depth) : std::nullopt;
 
   reading(tip ? "Depth of the tip" : "Depth", depth ? fmt::format("{:.2f}", *depth) : "-", "mm");
@@ -131,17 +139,17 @@ void drawReadings(AppContext& context, const std::optional<ToolOverSurface>& ove
   drawNeighbours(bench, over);
   reading("Force", fmt::format("{:.2f}", r.output.force.force.norm()), "N");
   reading("Spindle", fmt::format("{:.0f}", 100 * speed), turns,
-          bench.isPressed() && speed < 0.05 && r.output.normal_load > 0);
+          bench.strokes->isPressed() && speed < 0.05 && r.output.normal_load > 0);
   drawHeat(bench);
-  reading("Removed", fmt::format("{:.2f}", bench.removedMm3()), "mm3");
+  reading("Removed", fmt::format("{:.2f}", bench.document->removedMm3()), "mm3");
   drawPoint(context, over.has_value());
   drawPlots(context);
   ImGui::Separator();
   drawLoop(bench);
   if (r.is_latched)
-    ui::textColored(styleColours().warning,
-                    bench.isLed() ? "Stopped: waits for the hand." : "Stopped: the machine was busy. Press again.");
-  const RecorderStatus log = bench.run()->recorderStatus();
+    ui::textColored(styleColours().warning, bench.device->isLed() ? "Stopped: waits for the hand."
+                                                                  : "Stopped: the machine was busy. Press again.");
+  const RecorderStatus log = bench.document->run()->recorderStatus();
   if (log.error) ui::textWrapped(phrase("The log can not be written any more: {}", log.error->message()));
   column.take();
   ImGui::End();
@@ -150,8 +158,8 @@ void drawReadings(AppContext& context, const std::optional<ToolOverSurface>& ove
 // ---- Job under way
 
 void drawJob(AppContext& context) {
-  const AnyJob* const job = context.bench.job();
-  const ExportPlan& plan = context.bench.exporting();
+  const AnyJob* const job = context.bench.jobs->running();
+  const ExportPlan& plan = *context.bench.exporting;
   if (!job || (plan.isShown() && plan.isBusy())) return;  // the export panel shows its own
   const JobStatus s = job->status();
   const ImGuiIO& io = ImGui::GetIO();
@@ -167,7 +175,7 @@ void drawJob(AppContext& context) {
   if (s.is_cancelling)
     ui::text("Cancelling...");
   else if (s.can_be_cancelled && ui::button("Cancel", {110, 0}))
-    context.bench.cancelJob();
+    context.bench.jobs->cancel();
   ImGui::End();
 }
 
@@ -180,7 +188,7 @@ void drawScaleBar(const AppContext& context, double pixels) {
 
 // Reason why the stroke removes nothing, in the middle above the timeline, while it lasts.
 void drawHindrance(const AppContext& context) {
-  const char* const text = context.bench.hindrance();
+  const char* const text = context.bench.monitor->hindrance();
   if (!text[0]) return;
   const ImGuiIO& io = ImGui::GetIO();
   const NoticePlace at =
@@ -209,7 +217,7 @@ void drawHints(AppContext& context) {
   ui::text("Right button: turn. Middle button: move. Wheel: zoom.");
   if (ui::smallButton("Got it"))
     if (const auto done = runAppCommand(context, "view.hints", std::vector<std::string>{"off"}); !done)
-      context.bench.complain(done.error());
+      context.bench.notices->complain(done.error());
   ImGui::End();
 }
 
@@ -217,11 +225,11 @@ void drawHints(AppContext& context) {
 
 void drawPanels(AppContext& context, PanelState& state, const std::optional<ToolOverSurface>& over) {
   drawMenus(context, state);
-  if (context.bench.isImporting()) {
+  if (context.bench.imports->isImporting()) {
     drawImportPanel(context, state.import);
-  } else if (context.bench.watched()) {
+  } else if (context.bench.document->watched()) {
     drawReplay(context);
-  } else if (context.bench.isOpen()) {
+  } else if (context.bench.document->isOpen()) {
     drawTools(context, state.tools);
     PanelColumn column(context);
     drawReadings(context, over, column);

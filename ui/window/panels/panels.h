@@ -5,6 +5,7 @@
 #include <string>
 
 #include "ui/app/commands/app_commands.h"
+#include "ui/app/tool/stroke.h"
 #include "ui/window/panels/device_panel.h"
 #include "ui/window/panels/import_panel.h"
 #include "ui/window/panels/pieces_panel.h"

@@ -9,7 +9,12 @@
 #include <numbers>
 
 #include "ui/app/base/language.h"
+#include "ui/app/document/document.h"
+#include "ui/app/document/jobs.h"
 #include "ui/app/view/piece_colours.h"
+#include "ui/app/workbench/scene_neighbours.h"
+#include "ui/app/workbench/scene_pieces.h"
+#include "ui/app/workbench/strokes.h"
 #include "ui/window/gl/style.h"
 #include "ui/window/gl/widgets.h"
 
@@ -64,11 +69,11 @@ void drawMove(Workbench& bench, const SceneObject& piece) {
   if (is_changed) {
     for (int axis = 0; axis < 3; ++axis)
       pose.translation[axis] = static_cast<double>(mm[static_cast<std::size_t>(axis)]);
-    bench.movePiece(piece.id, pose);
+    bench.pieces->move(piece.id, pose);
   }
   const double degrees = 2 * std::acos(std::clamp(std::abs(pose.rotation.w()), 0.0, 1.0)) * 180 / std::numbers::pi;
   ui::text(phrase("Turned by {:.1f} degrees", degrees));
-  if (ui::button("Put back", {-1, 0})) bench.movePiece(piece.id, {});
+  if (ui::button("Put back", {-1, 0})) bench.pieces->move(piece.id, {});
 }
 
 // Below its name and volume. The first piece also counts the volume removed before the split.
@@ -87,7 +92,7 @@ ImVec4 shown(const Rgba8& c) {
 
 void giveColour(AppContext& context, const char* name) {
   const auto done = runAppCommand(context, "piece.colour", std::vector<std::string>{name});
-  if (!done) context.bench.complain(done.error());
+  if (!done) context.bench.notices->complain(done.error());
 }
 
 // The palette; the current colour has a frame.
@@ -108,12 +113,12 @@ void drawList(AppContext& context, PanelColumn& column) {
   Workbench& bench = context.bench;
   column.place();
   ui::begin("Pieces", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
-  const SceneObject* const chosen = bench.chosenPiece();
-  for (SceneObject* piece : bench.scene().shown()) {
+  const SceneObject* const chosen = bench.pieces->chosen();
+  for (SceneObject* piece : bench.document->scene().shown()) {
     if (piece->isBeside()) continue;
     ImGui::PushID(static_cast<int>(piece->id));
     bool is_shown = !piece->is_hidden;
-    if (ui::checkbox("##shown", &is_shown)) bench.hidePiece(piece->id, !is_shown);
+    if (ui::checkbox("##shown", &is_shown)) bench.pieces->hide(piece->id, !is_shown);
     if (ImGui::IsItemHovered()) ui::setTooltip("Show it");
     ImGui::SameLine();
     if (const PieceColour* const colour = findPieceColour(piece->colour)) {
@@ -127,7 +132,7 @@ void drawList(AppContext& context, PanelColumn& column) {
         fmt::format("{:.{}f} mm3{}", piece->surface.volume(), piece->surface.volume() < 100 ? 1 : 0,
                     shownText(piece->isMoved() ? ", moved" : ""));
     if (ui::selectable(ui::asItIs(piece->name), piece == chosen, 0, {scaled(90), 0}))
-      bench.choosePiece(piece == chosen ? std::nullopt : std::optional(piece->id));
+      bench.pieces->choose(piece == chosen ? std::nullopt : std::optional(piece->id));
     ImGui::SameLine();
     ui::textDisabled(volume);
     drawRemoved(*piece);
@@ -139,7 +144,7 @@ void drawList(AppContext& context, PanelColumn& column) {
     chosen->name.copy(name.data(), name.size() - 1);
     ImGui::PushItemWidth(-1);
     if (ui::inputText("##name", name.data(), name.size(), ImGuiInputTextFlags_EnterReturnsTrue))
-      bench.namePiece(chosen->id, name.data());
+      bench.pieces->rename(chosen->id, name.data());
     ImGui::PopItemWidth();
     drawColours(context, *chosen);
     drawMove(bench, *chosen);
@@ -154,22 +159,22 @@ void drawList(AppContext& context, PanelColumn& column) {
 void drawBeside(Workbench& bench, PanelColumn& column) {
   column.place();
   ui::begin("Beside", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
-  for (const SceneObject* object : bench.scene().shown()) {
+  for (const SceneObject* object : bench.document->scene().shown()) {
     if (!object->isBeside()) continue;
     ImGui::PushID(static_cast<int>(object->id));
     bool is_shown = !object->is_hidden, is_ghost = object->is_ghost;
-    if (ui::checkbox("##shown", &is_shown)) bench.hidePiece(object->id, !is_shown);
+    if (ui::checkbox("##shown", &is_shown)) bench.pieces->hide(object->id, !is_shown);
     if (ImGui::IsItemHovered()) ui::setTooltip("Show it; the tool meets it all the same");
     ImGui::SameLine();
-    if (ui::checkbox("##ghost", &is_ghost)) bench.ghostNeighbour(object->id, is_ghost);
+    if (ui::checkbox("##ghost", &is_ghost)) bench.neighbours->makeGhost(object->id, is_ghost);
     if (ImGui::IsItemHovered()) ui::setTooltip("A ghost: translucent, and not pointed at");
     ImGui::SameLine();
     ui::text(ui::asItIs(object->name));
     ImGui::PopID();
   }
-  bool stops = bench.stop_short_beside_mm.has_value();
+  bool stops = bench.strokes->stop_short_beside_mm.has_value();
   if (ui::checkbox("Stop short of them", &stops))
-    bench.stopShortBeside(stops ? std::optional(Workbench::kUsualShortBeside) : std::nullopt);
+    bench.strokes->stopShortBeside(stops ? std::optional(Strokes::kUsualShortBeside) : std::nullopt);
   column.take();
   ImGui::End();
 }
@@ -177,13 +182,13 @@ void drawBeside(Workbench& bench, PanelColumn& column) {
 }  // namespace
 
 std::optional<PieceGizmo> gizmoOf(const AppContext& context) {
-  const SceneObject* const piece = context.bench.chosenPiece();
+  const SceneObject* const piece = context.bench.pieces->chosen();
   if (!piece || piece->is_hidden || piece->isBeside()) return {};
   return PieceGizmo(context.camera, context.width, context.height, piece->pose() * piece->surface.bounds().center());
 }
 
 bool PieceDrag::press(AppContext& context, const Pixel& at) {
-  const SceneObject* const piece = context.bench.chosenPiece();
+  const SceneObject* const piece = context.bench.pieces->chosen();
   gizmo_ = gizmoOf(context);
   if (!piece || !gizmo_) return false;
   handle_ = gizmo_->handleAt(at);
@@ -195,15 +200,15 @@ bool PieceDrag::press(AppContext& context, const Pixel& at) {
 }
 
 void PieceDrag::move(AppContext& context, const Pixel& at) {
-  if (handle_) context.bench.dragPiece(piece_, gizmo_->dragged(*handle_, from_, at, pose_));
+  if (handle_) context.bench.pieces->drag(piece_, gizmo_->dragged(*handle_, from_, at, pose_));
 }
 
 void PieceDrag::release(AppContext& context, const Pixel& at) {
   if (!handle_) return;
   if (at == from_)
-    context.bench.dragPiece(piece_, std::nullopt);
+    context.bench.pieces->drag(piece_, std::nullopt);
   else
-    context.bench.movePiece(piece_, gizmo_->dragged(*handle_, from_, at, pose_));
+    context.bench.pieces->move(piece_, gizmo_->dragged(*handle_, from_, at, pose_));
   handle_.reset();
 }
 
@@ -213,10 +218,10 @@ void PieceDrag::hover(const AppContext& context, const Pixel& at) {
 }
 
 void drawPieces(AppContext& context, const PieceDrag& drag, PanelColumn& column, double pixels) {
-  const auto shown = context.bench.scene().shown();
+  const auto shown = context.bench.document->scene().shown();
   const bool is_moved = std::any_of(shown.begin(), shown.end(), [](const auto* piece) { return piece->isMoved(); });
-  if (context.bench.scene().pieceCount() < shown.size()) drawBeside(context.bench, column);
-  if (context.bench.scene().pieceCount() < 2 && !is_moved) return;
+  if (context.bench.document->scene().pieceCount() < shown.size()) drawBeside(context.bench, column);
+  if (context.bench.document->scene().pieceCount() < 2 && !is_moved) return;
   drawList(context, column);
   if (const auto gizmo = gizmoOf(context)) drawGizmo(*gizmo, drag.lit(), pixels);
 }

@@ -4,6 +4,7 @@
 #include <imgui.h>
 
 #include "ui/app/base/language.h"
+#include "ui/app/workbench/tool_monitor.h"
 #include "ui/window/gl/style.h"
 #include "ui/window/gl/widgets.h"
 
@@ -32,7 +33,7 @@ void drawPlots(AppContext& context) {
   ImGui::SetNextItemOpen(context.shows_plots, ImGuiCond_Always);
   context.shows_plots = ui::collapsingHeader("Last 20 s");
   if (!context.shows_plots) return;
-  for (const Trace::About& channel : Trace::kChannels) drawPlot(context.bench.trace(), channel);
+  for (const Trace::About& channel : Trace::kChannels) drawPlot(context.bench.monitor->trace(), channel);
 }
 
 }  // namespace kerf

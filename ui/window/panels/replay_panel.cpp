@@ -9,6 +9,12 @@
 
 #include "sim/run/session/watched_run.h"
 #include "ui/app/base/language.h"
+#include "ui/app/document/document.h"
+#include "ui/app/document/jobs.h"
+#include "ui/app/workbench/replays.h"
+#include "ui/app/workbench/sessions.h"
+#include "ui/app/workbench/tool_monitor.h"
+#include "ui/app/workbench/tools.h"
 #include "ui/window/gl/style.h"
 #include "ui/window/gl/widgets.h"
 #include "ui/window/panels/panel_column.h"
@@ -22,7 +28,7 @@ namespace {
 constexpr float kBarHeight = 22;  // before scaled()
 
 void give(AppContext& context, const char* command, const std::vector<std::string>& words = {}) {
-  if (const auto done = runAppCommand(context, command, words); !done) context.bench.complain(done.error());
+  if (const auto done = runAppCommand(context, command, words); !done) context.bench.notices->complain(done.error());
 }
 
 void button(AppContext& context, const char* label, const char* command, bool is_enabled = true) {
@@ -105,7 +111,7 @@ void drawStepUnder(const WatchedRun& run, std::size_t sample) {
 
 // The scrub bar follows a dragging mouse; it jumps when the mouse has moved.
 void drawBar(AppContext& context) {
-  WatchedRun& run = *context.bench.watched();
+  WatchedRun& run = *context.bench.document->watched();
   const float width = std::max(ImGui::GetContentRegionAvail().x, scaled(60)), height = scaled(kBarHeight);
   const ImVec2 corner = ImGui::GetCursorScreenPos();
   ImGui::InvisibleButton("##scrub", {width, height});
@@ -119,7 +125,7 @@ void drawBar(AppContext& context) {
 }
 
 void drawStrip(AppContext& context) {
-  const WatchedRun& run = *context.bench.watched();
+  const WatchedRun& run = *context.bench.document->watched();
   const WatchMoment& now = run.moment();
   const ImGuiIO& io = ImGui::GetIO();
   ImGui::SetNextWindowPos({scaled(8), io.DisplaySize.y - 8}, ImGuiCond_Always, {0, 1});
@@ -135,7 +141,7 @@ void drawStrip(AppContext& context) {
   ImGui::SameLine(0, scaled(16));
   ui::text(stateOf(run));
   ImGui::SameLine(0, scaled(16));
-  button(context, "Go on cutting", "replay.go-on", !now.is_jumping && !context.bench.job());
+  button(context, "Go on cutting", "replay.go-on", !now.is_jumping && !context.bench.jobs->running());
   button(context, "Close", "replay.close");
   ImGui::NewLine();
   drawBar(context);
@@ -149,14 +155,14 @@ void drawStrip(AppContext& context) {
 
 void drawMoment(AppContext& context, PanelColumn& column) {
   const Workbench& bench = context.bench;
-  const HapticReport& report = bench.report();
+  const HapticReport& report = bench.document->report();
   column.place();
   ui::begin("Watched", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
-  reading("Tool", bench.tool(bench.toolInHand()).id, "");
+  reading("Tool", bench.tools->at(bench.tools->inHand()).id, "");
   reading("Force", fmt::format("{:.2f}", report.output.force.force.norm()), "N");
-  reading("Spindle", fmt::format("{:.0f}", 100 * bench.driveShare()), "%");
+  reading("Spindle", fmt::format("{:.0f}", 100 * bench.monitor->driveShare()), "%");
   drawHeat(bench);
-  reading("Removed", fmt::format("{:.2f}", bench.removedMm3()), "mm3");
+  reading("Removed", fmt::format("{:.2f}", bench.document->removedMm3()), "mm3");
   reading("Pieces", fmt::format("{}", report.object_count), "");
   drawPlots(context);
   column.take();
@@ -175,12 +181,12 @@ void drawReplay(AppContext& context) {
 void drawRunQuestion(AppContext& context) {
   Workbench& bench = context.bench;
   constexpr const char* kTitle = "A session that was cut before###run-question";
-  if (!bench.askedRun()) return;
+  if (!bench.replays->askedRun()) return;
   if (!ui::isPopupOpen(kTitle)) ui::openPopup(kTitle);
   ImGui::SetNextWindowSize({scaled(460), 0});
   if (!ui::beginPopupModal(kTitle, nullptr, ImGuiWindowFlags_NoResize)) return;
 
-  const std::filesystem::path run = *bench.askedRun();
+  const std::filesystem::path run = *bench.replays->askedRun();
   ImGui::PushTextWrapPos(0);
   ui::text(ui::asItIs(run.string()));
   ui::textColored(styleColours().quiet,
@@ -189,18 +195,18 @@ void drawRunQuestion(AppContext& context) {
   ImGui::Dummy({0, scaled(4)});
   bool is_over = false;
   if (strongButton("Go on", "", scaled(135))) {
-    bench.open(run);
+    bench.sessions->open(run);
     is_over = true;
   }
   ImGui::SameLine();
   if (plainButton("Watch", "", scaled(135))) {
-    bench.watch(run);
+    bench.replays->open(run);
     is_over = true;
   }
   ImGui::SameLine();
   is_over |= plainButton("Neither", "Esc", -1) || ImGui::IsKeyPressed(ImGuiKey_Escape);
   if (is_over) {
-    bench.forgetAskedRun();
+    bench.replays->forgetAskedRun();
     ImGui::CloseCurrentPopup();
   }
   ImGui::EndPopup();

@@ -10,6 +10,9 @@
 #include "ui/app/workbench/sawing.h"
 
 #include "ui/app/base/language.h"
+#include "ui/app/document/document.h"
+#include "ui/app/document/jobs.h"
+#include "ui/app/workbench/tools.h"
 #include "ui/window/gl/style.h"
 #include "ui/window/gl/widgets.h"
 
@@ -21,7 +24,7 @@ constexpr double kStepMm = 0.1, kStepDegrees = 1, kFine = 0.1;  // Shift: a tent
 const ImVec4 kQuiet{0.42f, 0.45f, 0.50f, 1}, kAccent{0.10f, 0.42f, 0.62f, 1}, kWhite{1, 1, 1, 1};
 
 void runSaw(AppContext& context, const char* id, const std::vector<std::string>& words = {}) {
-  if (const auto done = runAppCommand(context, id, words); !done) context.bench.complain(done.error());
+  if (const auto done = runAppCommand(context, id, words); !done) context.bench.notices->complain(done.error());
 }
 
 // A name, a value, and two buttons that step it. Held, they repeat.
@@ -86,7 +89,7 @@ void drawWaysOfPlanning(AppContext& context) {
 }
 
 void drawPlanes(AppContext& context, SawPanelState& state) {
-  Sawing& saw = context.bench.saw();
+  Sawing& saw = *context.bench.saw;
   const SawPlan& plan = saw.plan();
   for (std::size_t n = 0; n < plan.planes().size(); ++n) {
     const SawPlane& plane = plan.planes()[n];
@@ -109,7 +112,7 @@ void drawPlanes(AppContext& context, SawPanelState& state) {
 }
 
 void drawSteppers(AppContext& context) {
-  const SawPlane plane = *context.bench.saw().plan().chosen();
+  const SawPlane plane = *context.bench.saw->plan().chosen();
   stepper(context, "Move", "by 0.1 mm", "saw.move", kStepMm);
   stepper(context, "Turn", "by 1 degree", "saw.turn", kStepDegrees);
   stepper(context, "Tilt", "by 1 degree", "saw.tilt", kStepDegrees);
@@ -120,11 +123,11 @@ void drawSteppers(AppContext& context) {
 
 void drawClearance(AppContext& context) {
   constexpr double kClose = 2;  // mm: below this it warns
-  const auto left = context.bench.saw().clearance();
+  const auto left = context.bench.saw->clearance();
   if (!left) return;
   if (left->is_far)
     return ui::textColored(kQuiet, phrase("Over {:.0f} mm from all nerves and pulps", left->distance_mm));
-  const std::string name = shownText(context.bench.nameOf(left->material));
+  const std::string name = shownText(context.bench.document->nameOf(left->material));
   const std::string away = phrase("{:.1f} mm from the {}", left->distance_mm, name);
   if (left->distance_mm < 0)
     ui::textColored(styleColours().warning, phrase("Goes through the {}", name));
@@ -135,7 +138,7 @@ void drawClearance(AppContext& context) {
 }
 
 void drawCut(AppContext& context) {
-  Sawing& saw = context.bench.saw();
+  Sawing& saw = *context.bench.saw;
   drawClearance(context);
   bool is_guided = saw.guide;
   if (ui::checkbox("Guide the blade by mouse", &is_guided)) runSaw(context, "saw.guide", {is_guided ? "on" : "off"});
@@ -167,10 +170,10 @@ void drawHint(const Sawing& saw) {
 
 void drawSawPanel(AppContext& context, SawPanelState& state) {
   Workbench& bench = context.bench;
-  Sawing& saw = bench.saw();
+  Sawing& saw = *bench.saw;
   drawHint(saw);
   const bool has_planes = saw.plan().chosen() != nullptr;
-  if (!has_planes && !SawBlade::of(bench.tool(bench.toolInHand()))) return;
+  if (!has_planes && !SawBlade::of(bench.tools->at(bench.tools->inHand()))) return;
 
   const ImGuiIO& io = ImGui::GetIO();
   ImGui::SetNextWindowPos({io.DisplaySize.x - 8, io.DisplaySize.y - 8}, ImGuiCond_Always, {1, 1});

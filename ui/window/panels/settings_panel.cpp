@@ -8,8 +8,10 @@
 #include <vector>
 
 #include "ui/app/base/language.h"
+#include "ui/app/settings/settings.h"
 #include "ui/app/base/system_dialog.h"
-#include "ui/app/commands/settings.h"
+#include "ui/app/document/jobs.h"
+#include "ui/app/workbench/strokes.h"
 #include "ui/window/gl/style.h"
 #include "ui/window/gl/widgets.h"
 
@@ -19,7 +21,7 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180;
 
 void save(AppContext& context) {
-  if (const auto done = context.settings->save(); !done) context.bench.complain(done.error());
+  if (const auto done = context.settings->save(); !done) context.bench.notices->complain(done.error());
 }
 
 // Keeps a broken file until the user decides.
@@ -29,7 +31,7 @@ void drawBrokenSettings(AppContext& context) {
                                                  context.settings->error()->message()));
   ImGui::PopTextWrapPos();
   if (!plainButton("Set it aside and begin anew", "", -1)) return;
-  if (const auto done = context.settings->setAside(); !done) return context.bench.complain(done.error());
+  if (const auto done = context.settings->setAside(); !done) return context.bench.notices->complain(done.error());
   save(context);
 }
 
@@ -54,7 +56,7 @@ void drawLanguage(AppContext& context) {
   for (const Row& row : rows) {
     if (!ui::selectable(ui::asItIs(row.name + "###" + row.id), row.id == now)) continue;
     const auto done = runAppCommand(context, "settings.language", std::vector<std::string>{row.id});
-    if (!done) context.bench.complain(done.error());
+    if (!done) context.bench.notices->complain(done.error());
   }
   ImGui::EndCombo();
 }
@@ -132,12 +134,12 @@ void drawSettings(AppContext& context) {
   heading("At the beginning of a session");
   float force = static_cast<float>(values.force_N), depth = static_cast<float>(values.depth_mm);
   ImGui::SetNextItemWidth(-1);
-  if (ui::sliderFloat("##force", &force, static_cast<float>(Workbench::kLeastForce), 5, "push %.1f N",
+  if (ui::sliderFloat("##force", &force, static_cast<float>(Strokes::kLeastForce), 5, "push %.1f N",
                       ImGuiSliderFlags_AlwaysClamp))
     values.force_N = 0.1 * std::round(10 * static_cast<double>(force));
   is_set |= ImGui::IsItemDeactivatedAfterEdit();
   ImGui::SetNextItemWidth(-1);
-  if (ui::sliderFloat("##depth", &depth, 0, static_cast<float>(Workbench::kMostDepth), "depth %.2f mm",
+  if (ui::sliderFloat("##depth", &depth, 0, static_cast<float>(Strokes::kMostDepth), "depth %.2f mm",
                       ImGuiSliderFlags_AlwaysClamp))
     values.depth_mm = 0.05 * std::round(20 * static_cast<double>(depth));
   is_set |= ImGui::IsItemDeactivatedAfterEdit();

@@ -7,7 +7,12 @@
 #include <cmath>
 
 #include "ui/app/base/language.h"
+#include "ui/app/document/document.h"
+#include "ui/app/document/jobs.h"
+#include "ui/app/workbench/imports.h"
 #include "ui/app/workbench/sawing.h"
+#include "ui/app/workbench/steps.h"
+#include "ui/app/workbench/tools.h"
 #include "ui/window/gl/style.h"
 #include "ui/window/gl/widgets.h"
 
@@ -18,8 +23,8 @@ constexpr float kStripHeight = 38, kBlockHeight = 18, kWidestBlock = 26;  // bef
 
 bool hasSteps(const AppContext& context) {
   const Workbench& bench = context.bench;
-  if (!bench.isOpen() || bench.isImporting()) return false;
-  return !bench.timeline().steps().empty() || bench.branchCount() > 0;
+  if (!bench.document->isOpen() || bench.imports->isImporting()) return false;
+  return !bench.steps->timeline().steps().empty() || bench.steps->branchCount() > 0;
 }
 
 ImVec4 colourOf(TimelineStep::Kind kind) {
@@ -61,10 +66,10 @@ void drawBlocks(const Timeline& timeline, std::size_t done, const ImVec2& corner
 
 // Above the strip, to keep it readable.
 void drawHover(const Workbench& bench, std::size_t block, float top) {
-  const Timeline& timeline = bench.timeline();
+  const Timeline& timeline = bench.steps->timeline();
   const std::size_t n = std::min(block, timeline.steps().size() - 1);
   const TimelineStep& step = timeline.steps()[n];
-  const std::string text = describeStep(step, timeline.older() + n + 1, bench.tool(step.tool).id);
+  const std::string text = describeStep(step, timeline.older() + n + 1, bench.tools->at(step.tool).id);
   const std::string loss = lossOf(timeline.steps().size() - n - 1);
   ImGui::SetNextWindowPos({ImGui::GetIO().MousePos.x, top - 8}, ImGuiCond_Always, {0.5f, 1});
   ImGui::BeginTooltip();
@@ -76,7 +81,7 @@ void drawHover(const Workbench& bench, std::size_t block, float top) {
 // One line, to keep the picture above the strip visible.   @return its width, the same for any `done`: it must not move
 // under a mouse that drags the blocks.
 float drawSummary(const Workbench& bench, std::size_t done) {
-  const Timeline& timeline = bench.timeline();
+  const Timeline& timeline = bench.steps->timeline();
   const std::uint64_t older = timeline.older(), all = older + timeline.steps().size();
   const auto textOf = [&](std::uint64_t now) {
     const std::string text = phrase("Step {} of {}", now, all);
@@ -91,7 +96,7 @@ float drawSummary(const Workbench& bench, std::size_t done) {
 
 // A button, and the list that it opens.   @return its width.
 float drawBranches(AppContext& context) {
-  const std::size_t count = context.bench.branchCount();
+  const std::size_t count = context.bench.steps->branchCount();
   const std::string label = count == 1 ? shownText("1 branch") : phrase("{} branches", count);
   if (ui::button(label + "###branches")) ui::openPopup("##branches");
   const float width = ImGui::GetItemRectSize().x;
@@ -99,12 +104,13 @@ float drawBranches(AppContext& context) {
   if (!ui::beginPopup("##branches")) return width;
 
   ui::textColored(styleColours().quiet, "Go on with, in a session of its own:");
-  const std::vector<Branch> branches = context.bench.branches();
+  const std::vector<Branch> branches = context.bench.steps->branches();
   for (std::size_t n = 0; n < branches.size(); ++n) {
     const std::string row = fmt::format("{}: {}", n + 1, branches[n].text);
     if (!ui::selectable(row)) continue;
     const std::vector<std::string> words{fmt::format("{}", n + 1)};
-    if (const auto taken = runAppCommand(context, "edit.branch", words); !taken) context.bench.complain(taken.error());
+    if (const auto taken = runAppCommand(context, "edit.branch", words); !taken)
+      context.bench.notices->complain(taken.error());
   }
   ImGui::EndPopup();
   return width;
@@ -123,14 +129,14 @@ void drawLoss(const Timeline& timeline, std::size_t done, float blocks_end) {
 
 float timelineHeight(const AppContext& context) {
   constexpr float kReplayHeight = 96;  // of the strip of a replay
-  if (context.bench.watched()) return scaled(kReplayHeight);
+  if (context.bench.document->watched()) return scaled(kReplayHeight);
   return hasSteps(context) ? scaled(kStripHeight) + 8 : 0;
 }
 
 void drawTimeline(AppContext& context) {
   if (!hasSteps(context)) return;
   const Workbench& bench = context.bench;
-  const Timeline& timeline = bench.timeline();
+  const Timeline& timeline = bench.steps->timeline();
   const ImGuiIO& io = ImGui::GetIO();
   const float side = scaled(kPanelWidth) + 16;  // leaves the side panels free
   ImGui::SetNextWindowPos({side, io.DisplaySize.y - 8}, ImGuiCond_Always, {0, 1});
@@ -138,13 +144,13 @@ void drawTimeline(AppContext& context) {
                            ImGuiCond_Always);
   ui::begin("##timeline", nullptr,
             ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
-  const std::size_t count = timeline.steps().size(), done = bench.stepsDone();
+  const std::size_t count = timeline.steps().size(), done = bench.steps->done();
   float left = ImGui::GetStyle().WindowPadding.x + drawSummary(bench, done) + scaled(12);
-  if (bench.branchCount() > 0) {
+  if (bench.steps->branchCount() > 0) {
     ImGui::SameLine(left);
     left += drawBranches(context) + scaled(12);
   }
-  if (count == 0 || !bench.isOpen()) return ImGui::End();  // no steps, or a branch was taken
+  if (count == 0 || !bench.document->isOpen()) return ImGui::End();  // no steps, or a branch was taken
   ImGui::SameLine(left);
 
   const float space = ImGui::GetContentRegionAvail().x;
@@ -161,10 +167,11 @@ void drawTimeline(AppContext& context) {
   const bool is_before = io.MousePos.x < corner.x + 0.3f * width;
   const auto there = is_before ? 0 : std::min(count, static_cast<std::size_t>(at) + 1);
   // Shows an error once, not in each frame of a drag.
-  const bool is_asked = bench.saw().isCutting() ? ImGui::IsItemActivated() : ImGui::IsItemActive();
+  const bool is_asked = bench.saw->isCutting() ? ImGui::IsItemActivated() : ImGui::IsItemActive();
   if (is_asked && there != done) {
     const std::vector<std::string> words{fmt::format("{}", timeline.older() + there)};
-    if (const auto gone = runAppCommand(context, "edit.go", words); !gone) context.bench.complain(gone.error());
+    if (const auto gone = runAppCommand(context, "edit.go", words); !gone)
+      context.bench.notices->complain(gone.error());
   }
   drawLoss(timeline, done, corner.x + blocks);
   ImGui::End();

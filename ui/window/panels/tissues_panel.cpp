@@ -9,7 +9,9 @@
 #include <vector>
 
 #include "ui/app/base/language.h"
-#include "ui/app/commands/tissue_commands.h"
+#include "ui/app/document/document.h"
+#include "ui/app/document/jobs.h"
+#include "ui/app/document/view_state.h"
 #include "ui/app/view/tissue_display.h"
 #include "ui/window/gl/style.h"
 #include "ui/window/gl/widgets.h"
@@ -21,7 +23,7 @@ constexpr float kLegendHeight = 14;
 constexpr int kLegendSteps = 50;
 
 void runTissues(AppContext& context, const char* id, const std::vector<std::string>& words) {
-  if (const auto done = runAppCommand(context, id, words); !done) context.bench.complain(done.error());
+  if (const auto done = runAppCommand(context, id, words); !done) context.bench.notices->complain(done.error());
 }
 
 ImVec4 shownTissues(const Rgba8& c) {
@@ -52,7 +54,7 @@ void drawTissueRow(AppContext& context, const SeenTissue& tissue) {
   bool is_ghost = tissue.look == TissueLook::kGhost;
   if (ui::checkbox("ghost", &is_ghost)) runTissues(context, "view.tissue", {tissue.id, is_ghost ? "ghost" : "show"});
   if (ImGui::IsItemHovered()) ui::setTooltip("Let what is under it shine through");
-  drawRemovedTissues(tissue.mm3, context.bench.removedOf(tissue.material));
+  drawRemovedTissues(tissue.mm3, context.bench.document->removedOf(tissue.material));
   ImGui::PopID();
 }
 
@@ -68,12 +70,12 @@ constexpr std::array<ColoursRow, 4> kColours = {
      {SurfaceColours::kDistance, "distance", "distance to pulp and nerve"}}};
 
 bool isPossible(const AppContext& context, SurfaceColours colours) {
-  if (colours == SurfaceColours::kScan) return tissue_commands::hasScanColours(context);
-  return colours != SurfaceColours::kDistance || tissue_commands::hasStructures(context);
+  if (colours == SurfaceColours::kScan) return findAppCommand("view.colours-scan")->is_enabled(context);
+  return colours != SurfaceColours::kDistance || findAppCommand("view.colours-distance")->is_enabled(context);
 }
 
 void drawTissueColours(AppContext& context) {
-  const SurfaceColours now = context.bench.tissues().colours();
+  const SurfaceColours now = context.bench.views->tissues().colours();
   const auto chosen =
       std::find_if(kColours.begin(), kColours.end(), [&](const ColoursRow& row) { return row.colours == now; });
   ImGui::PushItemWidth(-1);
@@ -110,7 +112,7 @@ void drawLegend(SurfaceColours colours) {
 }  // namespace
 
 void drawTissues(AppContext& context, PanelColumn& column) {
-  const TissueDisplay& tissues = context.bench.tissues();
+  const TissueDisplay& tissues = context.bench.views->tissues();
   const bool has_choice = tissues.all().size() > 1 || tissues.hasScanColours();
   if (!has_choice && tissues.colours() == SurfaceColours::kTissue) return;
   column.place();

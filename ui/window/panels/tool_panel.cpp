@@ -10,8 +10,12 @@
 #include <optional>
 
 #include "ui/app/base/language.h"
-#include "ui/app/commands/settings.h"
-#include "ui/app/workbench/tool_rack.h"
+#include "ui/app/settings/settings.h"
+#include "ui/app/readout/tool_rack.h"
+#include "ui/app/document/document.h"
+#include "ui/app/document/jobs.h"
+#include "ui/app/workbench/strokes.h"
+#include "ui/app/workbench/tools.h"
 #include "ui/window/gl/style.h"
 #include "ui/window/gl/widgets.h"
 
@@ -60,7 +64,7 @@ void drawStar(AppContext& context, const Tool& tool, bool is_favourite) {
   const ImVec2 at = ImGui::GetCursorScreenPos(), middle{at.x + 0.5f * width, at.y + 0.5f * side};
   if (ImGui::InvisibleButton("##star", {width, side}))
     if (const auto done = runAppCommand(context, "tool.favourite", std::vector<std::string>{tool.id}); !done)
-      context.bench.complain(done.error());
+      context.bench.notices->complain(done.error());
   const bool is_hovered = ImGui::IsItemHovered();
   if (is_hovered) ui::setTooltip(is_favourite ? "A favourite no longer" : "A favourite: first in the rack");
 
@@ -82,14 +86,14 @@ void drawStar(AppContext& context, const Tool& tool, bool is_favourite) {
 /// @return  true on a click.
 bool drawRow(AppContext& context, ToolPanelState& state, const RackView& view, std::size_t n) {
   const Workbench& bench = context.bench;
-  const Tool& tool = bench.tool(n);
+  const Tool& tool = bench.tools->at(n);
   const float side = scaled(kIcon);
   ImGui::PushID(static_cast<int>(n));
   const float right = ImGui::GetCursorScreenPos().x + ImGui::GetContentRegionAvail().x;
   if (context.settings) drawStar(context, tool, isFavourite(view, tool));
   const ImVec2 at = ImGui::GetCursorScreenPos();
-  const bool is_clicked = ui::selectable("##tool", n == bench.toolInHand(), 0, {0, side});
-  const Error* const error = bench.toolError(n);
+  const bool is_clicked = ui::selectable("##tool", n == bench.tools->inHand(), 0, {0, side});
+  const Error* const error = bench.tools->error(n);
   if (ImGui::IsItemHovered())
     ui::setTooltip(fmt::format("{}\n{}{}{}{}{}", tool.id, tool.description, tool.iso6360.empty() ? "" : "\nISO 6360 ",
                                tool.iso6360, error ? "\nIt is as it was read before: " : "",
@@ -112,7 +116,7 @@ bool drawRow(AppContext& context, ToolPanelState& state, const RackView& view, s
 }
 
 // A tool file with errors.
-void drawBroken(const Workbench::BrokenTool& broken) {
+void drawBroken(const BrokenTool& broken) {
   const float side = scaled(kIcon), line = ImGui::GetTextLineHeight();
   const ImVec2 at = ImGui::GetCursorScreenPos();
   ImGui::PushID(broken.file.c_str());
@@ -128,7 +132,7 @@ void drawBroken(const Workbench::BrokenTool& broken) {
 std::optional<std::size_t> drawRack(AppContext& context, ToolPanelState& state) {
   Workbench& bench = context.bench;
   ImGui::PushItemWidth(-1);
-  const std::string hint = phrase("Search {} tools: round, 1.4, saw...", bench.toolCount());
+  const std::string hint = phrase("Search {} tools: round, 1.4, saw...", bench.tools->count());
   ui::inputTextWithHint("##search", hint, state.search.data(), state.search.size());
   ImGui::PopItemWidth();
 
@@ -137,12 +141,12 @@ std::optional<std::size_t> drawRack(AppContext& context, ToolPanelState& state) 
   if (context.settings) favourites = context.settings->values.favourite_tools;
   view.favourites = favourites;
   const std::vector<std::size_t> rows = rackRows(bench, view);
-  const std::size_t broken = view.search.empty() ? bench.brokenTools().size() : 0;
+  const std::size_t broken = view.search.empty() ? bench.tools->broken().size() : 0;
   const float row = scaled(kIcon) + scaled(kRowGap);
   const auto shown = static_cast<float>(std::clamp<std::size_t>(rows.size() + broken, 1, kToolRows));
   ImGui::BeginChild("rack", {0, shown * row + scaled(4)});
-  if (state.in_hand != bench.toolInHand()) {
-    state.in_hand = bench.toolInHand();
+  if (state.in_hand != bench.tools->inHand()) {
+    state.in_hand = bench.tools->inHand();
     const auto at =
         static_cast<std::ptrdiff_t>(broken) + (std::find(rows.begin(), rows.end(), state.in_hand) - rows.begin());
     const float top = static_cast<float>(at) * row;
@@ -155,15 +159,15 @@ std::optional<std::size_t> drawRack(AppContext& context, ToolPanelState& state) 
   while (clipper.Step())
     for (auto n = static_cast<std::size_t>(clipper.DisplayStart); n < static_cast<std::size_t>(clipper.DisplayEnd); ++n)
       if (n < broken)
-        drawBroken(bench.brokenTools()[n]);
+        drawBroken(bench.tools->broken()[n]);
       else if (drawRow(context, state, view, rows[n - broken]))
         clicked = rows[n - broken];
   ImGui::PopStyleVar();
   if (rows.empty() && broken == 0) ui::textDisabled("None is called that");
   ImGui::EndChild();
 
-  if (bench.firstLookTools() < bench.toolCount() && !state.search[0]) {
-    const std::string label = state.shows_all ? shownText("Show fewer") : phrase("Show all {}", bench.toolCount());
+  if (bench.tools->firstLook() < bench.tools->count() && !state.search[0]) {
+    const std::string label = state.shows_all ? shownText("Show fewer") : phrase("Show all {}", bench.tools->count());
     if (ui::smallButton(label + "###all")) state.shows_all = !state.shows_all;
   }
   return clicked;
@@ -171,22 +175,22 @@ std::optional<std::size_t> drawRack(AppContext& context, ToolPanelState& state) 
 
 // Shown if there are structures to keep.
 void drawStopShort(Workbench& bench) {
-  if (bench.structures()->isEmpty()) return;
-  bool is_on = bench.stop_short_mm.has_value();
+  if (bench.document->structures()->isEmpty()) return;
+  bool is_on = bench.strokes->stop_short_mm.has_value();
   std::string names;
-  for (const Structures::Structure& s : bench.structures()->all())
-    names += (names.empty() ? "" : ", ") + shownText(bench.nameOf(s.material));
+  for (const Structures::Structure& s : bench.document->structures()->all())
+    names += (names.empty() ? "" : ", ") + shownText(bench.document->nameOf(s.material));
   if (ui::checkbox(phrase("Stop short of {}", names) + "###short", &is_on))
-    bench.stopShort(is_on ? std::optional(Workbench::kUsualShort) : std::nullopt);
+    bench.strokes->stopShort(is_on ? std::optional(Strokes::kUsualShort) : std::nullopt);
   if (!is_on) return;
-  auto short_of = static_cast<float>(*bench.stop_short_mm);
+  auto short_of = static_cast<float>(*bench.strokes->stop_short_mm);
   if (ui::sliderFloat("##short_of", &short_of, 0, 2, "%.1f mm", ImGuiSliderFlags_AlwaysClamp))
-    bench.stopShort(0.1 * std::round(10 * static_cast<double>(short_of)));
+    bench.strokes->stopShort(0.1 * std::round(10 * static_cast<double>(short_of)));
 }
 
 // Tilt of the tool; shown while it leans.
 void drawTilt(AppContext& context) {
-  Tilt& tilt = context.bench.tilt;
+  Tilt& tilt = context.bench.strokes->tilt;
   if (tilt.isUpright()) return;
   constexpr double kDegree = std::numbers::pi / 180;
   ui::text(phrase("Tilt {:.0f} deg, towards {:.0f} deg", tilt.angle / kDegree,
@@ -197,28 +201,29 @@ void drawTilt(AppContext& context) {
 
 void drawToolHand(Workbench& bench) {
   ImGui::PushItemWidth(-1);
-  float force = static_cast<float>(bench.force), depth = static_cast<float>(bench.depth_mm);
-  float speed = static_cast<float>(100 * bench.speed);
-  float spray = static_cast<float>(100 * bench.irrigation);
+  float force = static_cast<float>(bench.strokes->force), depth = static_cast<float>(bench.strokes->depth_mm);
+  float speed = static_cast<float>(100 * bench.strokes->speed);
+  float spray = static_cast<float>(100 * bench.strokes->irrigation);
   ui::text("Push");
-  if (ui::sliderFloat("##force", &force, static_cast<float>(Workbench::kLeastForce), 5, "%.1f N",
+  if (ui::sliderFloat("##force", &force, static_cast<float>(Strokes::kLeastForce), 5, "%.1f N",
                       ImGuiSliderFlags_AlwaysClamp))
-    bench.setForce(static_cast<double>(force));
+    bench.strokes->setForce(static_cast<double>(force));
   ui::text("Depth below the surface");
-  if (ui::sliderFloat("##depth", &depth, 0, static_cast<float>(bench.mostDepth()), "%.2f mm",
+  if (ui::sliderFloat("##depth", &depth, 0, static_cast<float>(bench.strokes->mostDepth()), "%.2f mm",
                       ImGuiSliderFlags_AlwaysClamp))
-    bench.deepen(static_cast<double>(depth) - bench.depth_mm);
+    bench.strokes->deepen(static_cast<double>(depth) - bench.strokes->depth_mm);
   drawStopShort(bench);
   ui::text("Speed");
   if (ui::sliderFloat("##speed", &speed, 0, 100, "%.0f %%", ImGuiSliderFlags_AlwaysClamp))
-    bench.setSpeed(0.01 * static_cast<double>(speed));
-  bool is_reversed = bench.isReversed();
-  if (bench.canReverse() && ui::checkbox("Turn backwards", &is_reversed)) {
-    if (const auto turned = bench.setReversed(is_reversed); !turned) bench.say(turned.error().message());
+    bench.strokes->setSpeed(0.01 * static_cast<double>(speed));
+  bool is_reversed = bench.strokes->isReversed();
+  if (bench.strokes->canReverse() && ui::checkbox("Turn backwards", &is_reversed)) {
+    if (const auto turned = bench.strokes->setReversed(is_reversed); !turned)
+      bench.notices->say(turned.error().message());
   }
   ui::text("Spray");
   if (ui::sliderFloat("##spray", &spray, 0, 100, "%.0f %%", ImGuiSliderFlags_AlwaysClamp))
-    bench.setIrrigation(0.01 * static_cast<double>(spray));
+    bench.strokes->setIrrigation(0.01 * static_cast<double>(spray));
   ImGui::PopItemWidth();
 }
 
@@ -234,7 +239,7 @@ void drawTools(AppContext& context, ToolPanelState& state) {
   drawTilt(context);
   drawToolHand(bench);
   ImGui::End();
-  if (clicked) bench.selectTool(*clicked);
+  if (clicked) bench.tools->select(*clicked);
 }
 
 }  // namespace kerf

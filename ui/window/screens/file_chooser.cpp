@@ -4,8 +4,12 @@
 #include <utility>
 
 #include "ui/app/base/language.h"
-#include "ui/app/commands/settings.h"
+#include "ui/app/settings/settings.h"
+#include "ui/app/document/document.h"
+#include "ui/app/document/jobs.h"
 #include "ui/app/workbench/export_plan.h"
+#include "ui/app/workbench/imports.h"
+#include "ui/app/workbench/scene_pieces.h"
 
 namespace kerf {
 namespace {
@@ -23,12 +27,12 @@ bool takesSeveral(const AppCommand& command) { return command.id == "file.open";
 
 std::string suggestedName(const AppContext& context, const AppCommand& command) {
   if (isToOpen(command)) return "";
-  if (command.id == "export.to") return context.bench.exporting().file().filename().string();
-  return context.bench.name() + "-cut.stl";
+  if (command.id == "export.to") return context.bench.exporting->file().filename().string();
+  return context.bench.document->name() + "-cut.stl";
 }
 
 std::optional<std::uint32_t> chosenPiece(const AppContext& context) {
-  const SceneObject* const piece = context.bench.chosenPiece();
+  const SceneObject* const piece = context.bench.pieces->chosen();
   return piece ? std::optional(piece->id) : std::nullopt;
 }
 
@@ -37,7 +41,7 @@ std::optional<std::uint32_t> chosenPiece(const AppContext& context) {
 void FileChooser::ask(AppContext& context, const AppCommand& command) {
   dialog_.close();
   asked_for_ = &command;
-  generation_ = context.bench.generation();
+  generation_ = context.bench.document->generation();
   piece_ = chosenPiece(context);
   const bool is_own = context.settings && context.settings->values.has_own_dialog;
   if (is_own || !SystemDialog::program()) return askInside(context);
@@ -54,7 +58,7 @@ void FileChooser::ask(AppContext& context, const AppCommand& command) {
   else if (takesSeveral(command))
     question.what = What::kOpenSeveral;
   if (const auto asked = dialog_.ask(question); !asked) {
-    context.bench.complain(asked.error());
+    context.bench.notices->complain(asked.error());
     askInside(context);
   }
 }
@@ -78,7 +82,7 @@ void FileChooser::takeAnswer(AppContext& context) {
   auto answer = dialog_.poll();
   if (!answer) return;
   if (!*answer) {
-    context.bench.complain(answer->error());
+    context.bench.notices->complain(answer->error());
     return askInside(context);
   }
   if ((*answer)->empty()) return;  // cancelled
@@ -91,24 +95,26 @@ void FileChooser::keepFolder(AppContext& context, const fs::path& folder) {
   if (!context.settings || folder == context.settings->values.last_folder) return;
   context.settings->values.last_folder = folder;
   if (const auto kept = context.settings->save(); !kept && !context.settings->error())
-    context.bench.complain(kept.error());
+    context.bench.notices->complain(kept.error());
 }
 
 void FileChooser::take(AppContext& context, std::vector<fs::path> files) {
   if (!asked_for_) return;
   // Not the document the user confirmed: would write another one.
-  if (!isToOpen(*asked_for_) && (generation_ != context.bench.generation() || piece_ != chosenPiece(context)))
-    return context.bench.complain({.code = Error::Code::kUnsupported,
-                                   .file = files.front().string(),
-                                   .found = "something else is open or chosen than when you were asked for this file",
-                                   .expected = "the same; nothing was written",
-                                   .hint = "export again"});
+  if (!isToOpen(*asked_for_) && (generation_ != context.bench.document->generation() || piece_ != chosenPiece(context)))
+    return context.bench.notices->complain(
+        {.code = Error::Code::kUnsupported,
+         .file = files.front().string(),
+         .found = "something else is open or chosen than when you were asked for this file",
+         .expected = "the same; nothing was written",
+         .hint = "export again"});
   const bool is_open = asked_for_->id == "file.open";
-  if (is_open && files.size() > 1 && asked_for_->is_enabled(context)) return context.bench.importMore(files);
+  if (is_open && files.size() > 1 && asked_for_->is_enabled(context)) return context.bench.imports->addMore(files);
   // In a script file.open takes the defaults.
   const AppCommand* const command = is_open ? findAppCommand("import.read") : asked_for_;
   const std::vector<std::string> words{files.front().string()};
-  if (const auto done = runAppCommand(context, command->id, words); !done) context.bench.complain(done.error());
+  if (const auto done = runAppCommand(context, command->id, words); !done)
+    context.bench.notices->complain(done.error());
 }
 
 }  // namespace kerf

@@ -9,6 +9,10 @@
 #include <utility>
 
 #include "ui/app/base/language.h"
+#include "ui/app/document/file_history.h"
+#include "ui/app/document/jobs.h"
+#include "ui/app/workbench/imports.h"
+#include "ui/app/workbench/sessions.h"
 #include "ui/window/gl/image.h"
 #include "ui/window/gl/style.h"
 #include "ui/window/gl/widgets.h"
@@ -62,12 +66,12 @@ void FirstScreen::refresh(AppContext& context) {
   for (const auto& [path, texture] : textures_)
     if (texture) glDeleteTextures(1, &texture);
   textures_.clear();
-  context.bench.recent().refresh();
+  context.bench.history->recent().refresh();
 }
 
 void FirstScreen::draw(AppContext& context, const std::function<void(const AppCommand&)>& ask_for_file) {
   Workbench& bench = context.bench;
-  if (bench.job()) {
+  if (bench.jobs->running()) {
     was_drawn_ = false;
     return;
   }
@@ -102,7 +106,7 @@ void FirstScreen::draw(AppContext& context, const std::function<void(const AppCo
   for (const char* const name : demoNames()) {
     ImGui::SameLine();
     ImGui::SetCursorPosY(line);
-    if (plainButton(name, "", scaled(96))) bench.openDemo(name);
+    if (plainButton(name, "", scaled(96))) bench.sessions->openDemo(name);
   }
 
   drawLost(context);
@@ -112,20 +116,20 @@ void FirstScreen::draw(AppContext& context, const std::function<void(const AppCo
 
 void FirstScreen::drawLost(AppContext& context) {
   Workbench& bench = context.bench;
-  if (bench.lostSessions().empty()) return;
+  if (bench.history->lostSessions().empty()) return;
   ImGui::Dummy({0, scaled(6)});
   ui::textColored(styleColours().warning,
                   "A session did not end: its program was stopped. What was cut is in its log.");
-  for (std::size_t n = 0; n < std::min<std::size_t>(bench.lostSessions().size(), 3); ++n) {
-    const std::string name = bench.lostSessions()[n].folder.filename().string();
+  for (std::size_t n = 0; n < std::min<std::size_t>(bench.history->lostSessions().size(), 3); ++n) {
+    const std::string name = bench.history->lostSessions()[n].folder.filename().string();
     ImGui::PushID(static_cast<int>(n));
-    if (ui::button("Recover", {scaled(100), 0})) bench.recover(n);
+    if (ui::button("Recover", {scaled(100), 0})) bench.history->recover(n);
     ImGui::SameLine();
     if (ui::button("Forget...", {scaled(100), 0})) asks_to_forget_ = n;
     ImGui::SameLine();
     ui::text(ui::asItIs(endThatFits(name, ImGui::GetContentRegionAvail().x)));
     ImGui::PopID();
-    if (bench.job()) return;  // the list changes now
+    if (bench.jobs->running()) return;  // the list changes now
   }
 
   if (!asks_to_forget_) return;
@@ -134,16 +138,16 @@ void FirstScreen::drawLost(AppContext& context) {
   if (!ui::beginPopupModal(kForget, nullptr, ImGuiWindowFlags_NoResize)) return;
   const std::size_t n = *asks_to_forget_;
   ImGui::PushTextWrapPos(0);
-  ui::text(ui::asItIs(bench.lostSessions()[n].folder.string()));
+  ui::text(ui::asItIs(bench.history->lostSessions()[n].folder.string()));
   ui::text(phrase(
       "The folder with its log, {:.1f} MB, will be deleted. What was cut in that session can not be recovered then.",
-      1e-6 * static_cast<double>(bench.bytesOfLost(n))));
+      1e-6 * static_cast<double>(bench.history->bytesOfLost(n))));
   ImGui::PopTextWrapPos();
   ImGui::Dummy({0, scaled(4)});
   bool is_over = strongButton("Keep it", "", scaled(200));
   ImGui::SameLine();
   if (plainButton("Delete the log", "", -1)) {
-    bench.forgetLost(n);
+    bench.history->forgetLost(n);
     is_over = true;
   }
   if (is_over) {
@@ -154,12 +158,12 @@ void FirstScreen::drawLost(AppContext& context) {
 }
 
 void FirstScreen::drawRecent(AppContext& context) {
-  const std::size_t count = std::min(context.bench.recent().list().size(), kShown);
+  const std::size_t count = std::min(context.bench.history->recent().list().size(), kShown);
   if (count == 0) return;
   heading("Opened before");
   const float gap = scaled(12);
   const float width = (ImGui::GetContentRegionAvail().x - (kColumns - 1) * gap) / kColumns;
-  for (std::size_t n = 0; n < count && n < context.bench.recent().list().size(); ++n) {
+  for (std::size_t n = 0; n < count && n < context.bench.history->recent().list().size(); ++n) {
     if (n % kColumns) ImGui::SameLine(0, gap);
     drawCard(context, n, width);
   }
@@ -167,7 +171,7 @@ void FirstScreen::drawRecent(AppContext& context) {
 
 void FirstScreen::drawCard(AppContext& context, std::size_t n, float width) {
   Workbench& bench = context.bench;
-  const RecentFile file = bench.recent().list()[n];
+  const RecentFile file = bench.history->recent().list()[n];
   const StyleColours& colours = styleColours();
   const float line = ImGui::GetTextLineHeightWithSpacing(), pad = scaled(8), rounding = scaled(6);
   const float height = width * kCardHeight / kCardWidth, all = height + 2 * line + pad;
@@ -179,14 +183,14 @@ void FirstScreen::drawCard(AppContext& context, std::size_t n, float width) {
   const bool is_hovered = ImGui::IsItemHovered();
   if (is_hovered) ui::setTooltip(ui::asItIs(file.path.string()));
   if (ImGui::BeginPopupContextItem("menu")) {
-    if (ui::menuItem("Take it off this list")) bench.forgetRecent(n);
+    if (ui::menuItem("Take it off this list")) bench.history->forgetRecent(n);
     ImGui::EndPopup();
   }
 
   ImDrawList& list = *ImGui::GetWindowDrawList();
   list.AddRectFilled(at, end, ImGui::GetColorU32(is_hovered ? ImGuiCol_ButtonHovered : ImGuiCol_FrameBg), rounding);
   const ImU32 tint = file.is_there ? IM_COL32_WHITE : IM_COL32(255, 255, 255, 90);
-  if (const unsigned texture = textureOf(bench.recent().pictureOf(file.path)))
+  if (const unsigned texture = textureOf(bench.history->recent().pictureOf(file.path)))
     list.AddImageRounded(handleOf(texture), at, {end.x, at.y + height}, {0, 0}, {1, 1}, tint, rounding,
                          ImDrawFlags_RoundCornersTop);
   const float inside = width - 2 * pad;
@@ -202,10 +206,10 @@ void FirstScreen::drawCard(AppContext& context, std::size_t n, float width) {
     const ImVec2 next = ImGui::GetCursorScreenPos();
     ImGui::SetItemAllowOverlap();
     ImGui::SetCursorScreenPos({end.x - pad - scaled(66), end.y - line - 0.5f * pad});
-    if (ui::button("Forget", {scaled(66), 0})) bench.forgetRecent(n);
+    if (ui::button("Forget", {scaled(66), 0})) bench.history->forgetRecent(n);
     ImGui::SetCursorScreenPos(next);
   } else if (is_clicked) {
-    bench.beginImport(file.path);
+    bench.imports->begin(file.path);
   }
   ImGui::EndGroup();
   ImGui::PopID();

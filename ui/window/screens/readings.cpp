@@ -4,6 +4,7 @@
 #include <imgui.h>
 
 #include "ui/app/base/language.h"
+#include "ui/app/document/document.h"
 #include "ui/app/view/heat_readings.h"
 #include "ui/window/gl/style.h"
 #include "ui/window/gl/widgets.h"
@@ -18,13 +19,13 @@ void reading(const char* name, const std::string& value, const char* unit, bool 
 }
 
 void drawHeat(const Workbench& bench) {
-  const HeatReport& heat = bench.report().heat;
+  const HeatReport& heat = bench.document->report().heat;
   if (!heat.is_known) return reading("Temperature", "-", "°C");
-  const HeatReading under = heatOfSurface(heat, bench.report().output.material);
+  const HeatReading under = heatOfSurface(heat, bench.document->report().output.material);
   reading("Temperature", fmt::format("{:.0f}", under.celsius), "°C", under.is_warning);
-  for (const Structures::Structure& structure : bench.structures()->all()) {
+  for (const Structures::Structure& structure : bench.document->structures()->all()) {
     const HeatReading kept = heatOfKept(heat, structure.material);
-    const std::string name = phrase("  of {}", shownText(bench.nameOf(structure.material)));
+    const std::string name = phrase("  of {}", shownText(bench.document->nameOf(structure.material)));
     reading(name.c_str(), fmt::format("{:.1f}", kept.celsius), "°C", kept.is_warning);
   }
 }

@@ -4,6 +4,10 @@
 #include <csignal>
 #include <thread>
 
+#include "ui/app/document/jobs.h"
+#include "ui/app/workbench/sessions.h"
+#include "ui/app/workbench/strokes.h"
+
 namespace kerf {
 namespace {
 
@@ -20,21 +24,22 @@ void endWhenTold() {
 int toldToEnd() { return told_to_end; }
 
 Expected<void> endAll(Workbench& bench, LiveView& view) {
-  const std::size_t seen = bench.notices().size();
+  const std::size_t seen = bench.notices->list().size();
   const auto wait = [&] {
-    while (bench.job()) {
-      if (!bench.isWriting()) bench.cancelJob();
+    while (bench.jobs->running()) {
+      if (!bench.jobs->isWriting()) bench.jobs->cancel();
       view.update(bench);
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
   };
-  bench.release();  // the hand lets the tool go
+  bench.strokes->release();  // the hand lets the tool go
   wait();
-  bench.close();
+  bench.sessions->close();
   wait();
-  for (std::size_t n = seen; n < bench.notices().size(); ++n)
-    if (bench.notices()[n].is_error)
-      return fail({.code = Error::Code::kWriteFailed, .place = "ending the session", .found = bench.notices()[n].text});
+  for (std::size_t n = seen; n < bench.notices->list().size(); ++n)
+    if (bench.notices->list()[n].is_error)
+      return fail(
+          {.code = Error::Code::kWriteFailed, .place = "ending the session", .found = bench.notices->list()[n].text});
   return {};
 }
 

@@ -1,0 +1,170 @@
+#include "ui/app/commands/command_tables.h"
+
+#include <numbers>
+#include <optional>
+
+#include "ui/app/base/command_words.h"
+#include "ui/app/commands/pointing.h"
+#include "ui/app/workbench/strokes.h"
+
+namespace kerf::stroke_commands {
+namespace {
+
+constexpr double kHandDegree = std::numbers::pi / 180;
+
+bool isTilted(const AppContext& c) { return !c.bench.strokes->tilt.isUpright(); }
+
+Expected<void> tilt(AppContext& c, AppWords words) {
+  constexpr double kUpwards = 90;
+  const double before = isTilted(c) ? azimuthInView(c.camera, c.bench.strokes->tilt) / kHandDegree : kUpwards;
+  KERF_TRY(angle, numberOf(words, 0, "DEG", 0, Tilt::kMost / kHandDegree));
+  KERF_TRY(azimuth, numberOr(words, 1, before, "AZIMUTH", -360, 360));
+  c.bench.strokes->tilt = tiltInView(c.camera, angle * kHandDegree, azimuth * kHandDegree);
+  return {};
+}
+
+Expected<void> resetTilt(AppContext& c, AppWords) {
+  c.bench.strokes->tilt = {};
+  return {};
+}
+
+bool isCutting(const AppContext& c) { return c.bench.strokes->isPressed(); }
+
+Expected<void> nudge(AppContext& c, AppWords words) {
+  constexpr double kMost = 10;  // mm
+  KERF_TRY(right, numberOf(words, 0, "RIGHT", -kMost, kMost));
+  KERF_TRY(up, numberOf(words, 1, "UP", -kMost, kMost));
+  KERF_TRY(in, numberOf(words, 2, "IN", -kMost, kMost));
+  if (right != 0 || up != 0) c.bench.strokes->nudge(c.camera, right, up);
+  if (in != 0) c.bench.strokes->moveAlong(in);
+  return {};
+}
+
+Expected<void> pedal(AppContext& c, AppWords words) {
+  const bool is_told = !words.empty() && (words[0] == "on" || words[0] == "off");
+  if (!words.empty() && !is_told) return wrongWord("\"" + words[0] + "\"", "on or off");
+  const bool goes_down = is_told ? words[0] == "on" : !c.bench.strokes->isOnPedal();
+  if (!goes_down) {
+    if (c.bench.strokes->isOnPedal()) c.bench.strokes->release();
+    return {};
+  }
+
+  std::optional<Ray> at;
+  if (words.size() > 1 || c.pointer) {
+    KERF_TRY(ray, pointedRay(c, is_told ? words.subspan(1) : words));
+    at = ray;
+  }
+  if (c.bench.strokes->stepOnPedal(at)) return {};
+  return wrongWord("nothing to cut there", "a place on the object");
+}
+
+Expected<void> reverse(AppContext& c, AppWords words) {
+  if (words.empty()) return c.bench.strokes->setReversed(!c.bench.strokes->isReversed());
+  if (words[0] != "on" && words[0] != "off") return wrongWord("\"" + words[0] + "\"", "on or off");
+  return c.bench.strokes->setReversed(words[0] == "on");
+}
+
+Expected<void> setSpeed(AppContext& c, AppWords words) {
+  KERF_TRY(percent, numberOf(words, 0, "PERCENT", 0, 100));
+  c.bench.strokes->setSpeed(0.01 * percent);
+  return {};
+}
+
+Expected<void> setIrrigation(AppContext& c, AppWords words) {
+  KERF_TRY(percent, numberOf(words, 0, "PERCENT", 0, 100));
+  c.bench.strokes->setIrrigation(0.01 * percent);
+  return {};
+}
+
+Expected<void> setForce(AppContext& c, AppWords words) {
+  KERF_TRY(force, numberOf(words, 0, "NEWTONS", Strokes::kLeastForce, Strokes::kMostForce));
+  c.bench.strokes->setForce(force);
+  return {};
+}
+
+Expected<void> setDepth(AppContext& c, AppWords words) {
+  KERF_TRY(depth, numberOf(words, 0, "MM", 0, c.bench.strokes->mostDepth()));
+  c.bench.strokes->deepen(depth - c.bench.strokes->depth_mm);
+  return {};
+}
+
+Expected<void> deeper(AppContext& c, AppWords words) {
+  KERF_TRY(mm, numberOr(words, 0, 0.1, "MM", 0, c.bench.strokes->mostDepth()));
+  c.bench.strokes->deepen(mm);
+  return {};
+}
+
+Expected<void> shallower(AppContext& c, AppWords words) {
+  KERF_TRY(mm, numberOr(words, 0, 0.1, "MM", 0, c.bench.strokes->mostDepth()));
+  c.bench.strokes->deepen(-mm);
+  return {};
+}
+
+Expected<void> stopShort(AppContext& c, AppWords words) {
+  if (!words.empty() && words[0] == "off") {
+    c.bench.strokes->stopShort(std::nullopt);
+    return {};
+  }
+  KERF_TRY(mm, numberOr(words, 0, Strokes::kUsualShort, "MM", 0, Strokes::kMostShort));
+  c.bench.strokes->stopShort(mm);
+  return {};
+}
+
+Expected<void> press(AppContext& c, AppWords words) {
+  KERF_TRY(ray, rayOf(c, words));
+  if (c.bench.strokes->press(ray)) return {};
+  return wrongWord(fmt::format("nothing to cut at {}, {}", words[0], words[1]), "a pixel of the object");
+}
+
+Expected<void> drag(AppContext& c, AppWords words) {
+  KERF_TRY(ray, rayOf(c, words));
+  c.bench.strokes->drag(ray);
+  return {};
+}
+
+Expected<void> release(AppContext& c, AppWords) {
+  c.bench.strokes->release();
+  return {};
+}
+
+constexpr AppCommand kRows[] = {
+    {"tool.tilt", "", "", "", "DEG [AZIMUTH]",
+     "Leans the tool away from the normal of the surface by 0 to 75 degrees, the shank towards an azimuth in the view: "
+     "0 to the right, 90 up; if not told, as it leant or up.",
+     when::always, tilt},
+    {"tool.tilt-reset", "Tool:1", "Set upright", "", "", "Lets the tool stand square to the surface again.", isTilted,
+     resetTilt},
+    {"cut.force", "", "", "", "NEWTONS", "Sets how hard a pressed button pushes, 0.1 to 8 N.", when::always, setForce},
+    {"cut.depth", "", "", "", "MM",
+     "Sets how deep below the surface as loaded a stroke may go, 0 to 5 mm; along a guide to its depth.", when::always,
+     setDepth},
+    {"cut.deeper", "Tool:2", "Deeper", ".", "[MM]", "Lets a stroke go deeper, by 0.1 mm if not told.", when::always,
+     deeper},
+    {"cut.shallower", "Tool:2", "Less deep", ",", "[MM]", "Lets a stroke go less deep, by 0.1 mm if not told.",
+     when::always, shallower},
+    {"cut.stop-short", "", "", "", "[MM|off]",
+     "Strokes stop that far short of pulp and nerve canal, 0.5 mm if not told.", when::always, stopShort},
+    {"cut.press", "", "", "", "X Y", "Presses the button at a pixel: a stroke begins.", when::isOpen, press},
+    {"cut.drag", "", "", "", "X Y", "Moves the pressed pointer to a pixel.", when::isOpen, drag},
+    {"cut.release", "", "", "", "", "Lets go of the button: the stroke ends.", when::isOpen, release},
+    {"cut.nudge", "", "", "", "RIGHT UP IN",
+     "Moves a stroke by so many mm: to the right and up in the picture over the surface, and in along the tool's axis, "
+     "as far as the depth.",
+     isCutting, nudge},
+    {"cut.pedal", "Tool:2", "Foot pedal", "Space", "[on|off] [X Y]",
+     "Holds a stroke without the button, at a pixel, under the cursor or where was cut last; the key holds it while it "
+     "is down.",
+     when::isOpen, pedal},
+    {"cut.speed", "", "", "", "PERCENT", "Sets the spindle to a part of its nominal speed.", when::always, setSpeed},
+    {"cut.reverse", "Tool:2", "Turn backwards", "T", "[on|off]",
+     "Turns the drive backwards, as a motor can, until another tool is taken: diamonds cut as ever, blades and drills "
+     "only rub.",
+     when::isOpen, reverse},
+    {"cut.irrigation", "", "", "", "PERCENT", "Sets the spray, 0 to 100 % of full.", when::always, setIrrigation},
+};
+
+}  // namespace
+
+std::span<const AppCommand> table() { return kRows; }
+
+}  // namespace kerf::stroke_commands

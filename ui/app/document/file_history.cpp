@@ -1,0 +1,103 @@
+#include "ui/app/document/file_history.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "sim/run/session/run_branch.h"
+#include "ui/app/base/language.h"
+
+namespace kerf {
+
+namespace fs = std::filesystem;
+
+FileHistory::FileHistory(const WorkbenchOptions& options, Notices& notices, Jobs& jobs)
+    : options_(options), notices_(notices), jobs_(jobs), recent_(options.data_folder) {
+  lost_ = findLostSessions(options_.data_folder);
+}
+
+void FileHistory::remember(const fs::path& path) {
+  if (!options_.keeps_recent) return;
+  const fs::path demos = options_.data_folder / "demo";
+  const auto [end, rest] = std::mismatch(demos.begin(), demos.end(), path.begin(), path.end());
+  if (end == demos.end()) return;  // the first screen lists our demos anyway
+  if (const auto added = recent_.add(path); !added) notices_.complain(added.error());
+}
+
+void FileHistory::forgetRecent(std::size_t n) {
+  if (const auto done = recent_.forget(n); !done) notices_.complain(done.error());
+}
+
+std::uintmax_t FileHistory::bytesOfLost(std::size_t n) const { return n < lost_.size() ? bytesOf(lost_[n]) : 0; }
+
+void FileHistory::forgetLost(std::size_t n) {
+  if (jobs_.isBusy() || n >= lost_.size()) return;
+  const fs::path folder = lost_[n].folder;
+  if (const auto done = discardSession(folder); !done)
+    notices_.complain(done.error());
+  else
+    notices_.say(phrase("deleted as asked: {}", folder.string()));
+  lost_ = findLostSessions(options_.data_folder);
+}
+
+// ---- After a crash
+
+namespace {
+
+struct RecoveredSession {
+  Expected<Recovery> run;
+  DroppedRuns dropped{};  // if the session holds no steps
+};
+
+// The log of a session without steps may hold undone cuts. Its folder is deleted only once separate runs keep them.
+RecoveredSession recoverSession(const LostSession& lost, const fs::path& data, const Progress& progress) {
+  RecoveredSession out{recoverRun(lost.folder, progress)};
+  if (out.run || out.run.error().code != Error::Code::kEmpty) return out;
+  const auto dropped = droppedSteps(lost.folder);
+  if (dropped)
+    out.dropped = keepDropped(lost.folder, *dropped, data, lost.case_name, progress);
+  else
+    out.dropped.failed = dropped.error();
+  return out;
+}
+
+std::string tellEmpty(const DroppedRuns& dropped) {
+  if (dropped.runs.empty()) return "nothing had been cut in that session";
+  std::string out = "nothing is left of the session; what was taken back in it is kept:";
+  for (const auto& [began, run] : dropped.runs) out += fmt::format("\n{}", run.string());
+  return out;
+}
+
+}  // namespace
+
+void FileHistory::recover(std::size_t n) {
+  if (jobs_.isBusy() || n >= lost_.size()) return;
+  const fs::path folder = lost_[n].folder;
+  const auto work = [lost = lost_[n],
+                     data = options_.data_folder](const Progress& progress) -> Expected<RecoveredSession> {
+    return recoverSession(lost, data, progress);
+  };
+  const auto take = [this, folder](Expected<RecoveredSession> over) {
+    if (!over) return notices_.complain(over.error());
+    const Expected<Recovery>& recovered = over->run;
+    if (recovered) {
+      const Replay& replay = recovered->replay;
+      const bool differs = !replay.is_same && replay.checks > 0;
+      notices_.add({differs, fmt::format("recovered {:.1f} s, {:.3f} mm3 removed: {}\n{}{}",
+                                         recovered->manifest.duration_s, replay.removed_mm3, folder.string(),
+                                         replay.note, differs ? "; it DIFFERS from what was recorded" : "")});
+    } else if (recovered.error().code != Error::Code::kEmpty) {
+      notices_.complain(recovered.error());
+    } else if (over->dropped.failed) {
+      notices_.complain(*over->dropped.failed);
+    } else {
+      notices_.say(tellEmpty(over->dropped));
+    }
+    lost_ = findLostSessions(options_.data_folder);
+  };
+  jobs_.start<RecoveredSession>(Jobs::Kind::kWrites, phrase("recovering {}", folder.filename().string()), work, take);
+}
+
+}  // namespace kerf

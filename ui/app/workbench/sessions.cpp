@@ -1,0 +1,297 @@
+#include "ui/app/workbench/sessions.h"
+
+#include <chrono>
+#include <memory>
+#include <thread>
+#include <utility>
+
+#include "ui/app/base/language.h"
+#include "ui/app/document/document.h"
+#include "ui/app/document/file_history.h"
+#include "ui/app/document/view_state.h"
+#include "ui/app/session/arm_lead.h"
+#include "ui/app/session/session_result.h"
+#include "ui/app/workbench/force_device.h"
+#include "ui/app/workbench/imports.h"
+#include "ui/app/workbench/replays.h"
+#include "ui/app/workbench/results.h"
+#include "ui/app/workbench/sawing.h"
+#include "ui/app/workbench/strokes.h"
+#include "ui/app/workbench/tools.h"
+#include "ui/app/workbench/workbench.h"
+
+namespace kerf {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Before a session ends: sends pending undo or redo and waits for all answers, a minute at most.
+void sendTheRest(LiveRun& run, std::ptrdiff_t undos, std::uint64_t sent) {
+  const auto until = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+  const auto answered = [&] {
+    (void)run.thread().update();
+    const HapticCounts& counts = run.thread().report().counts;
+    return counts.commands_done + counts.commands_refused;
+  };
+  while ((undos != 0 || answered() < sent) && std::chrono::steady_clock::now() < until) {
+    const bool is_sent = undos != 0 && run.send(undos < 0 ? Command(Undo{}) : Command(Redo{}));
+    if (!is_sent) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      continue;
+    }
+    undos += undos < 0 ? 1 : -1;
+    ++sent;
+  }
+}
+
+// Deletes a session without steps. Its undone steps become separate runs first.
+// @param dropped  its undone steps: BranchPoint::step_began.
+EndedSession endSession(LiveRun& run, const std::vector<std::uint64_t>& dropped, const fs::path& data_folder,
+                        const std::string& name) {
+  EndedSession out{.run = run.finish(!dropped.empty())};
+  const bool is_empty = !out.run && out.run.error().code == Error::Code::kEmpty;
+  if (!is_empty || dropped.empty()) return out;
+
+  DroppedRuns kept = keepDropped(run.folder(), dropped, data_folder, name);
+  out.saved = std::move(kept.runs);
+  out.failed = std::move(kept.failed);
+  return out;
+}
+
+}  // namespace
+
+struct Sessions::Kept {
+  fs::path case_or_run, session;  // to open again: without a cut, and with cuts
+  fs::path source, tool;
+  std::string name;
+  std::vector<fs::path> sources_beside;
+  std::vector<CaseBeside> beside;  // do not come back with `case_or_run`
+  SawPlan plan;
+  TissueChoices tissues;
+  bool is_unexported = false;
+  Reopening wanted;
+};
+
+// ---- Opening
+
+void Sessions::open(const fs::path& path) {
+  if (kindOf(path) == FileKind::kTool) return bench_.tools->add(path);
+  openBy(phrase("opening {}", path.filename().string()),
+         [path, options = openingOptions()](const Progress& progress) { return openToCut(path, options, progress); });
+}
+
+void Sessions::openDemo(const std::string& name) {
+  openBy(phrase("opening the demo {}", shownText(name)), [name, options = openingOptions()](const Progress& progress) {
+    return openDemoToCut(name, options, progress);
+  });
+}
+
+void Sessions::openAll(const std::vector<fs::path>& paths) {
+  const std::vector<fs::path> objects = bench_.imports->takeTools(paths);
+  if (objects.empty()) return;
+  if (objects.size() == 1) return bench_.imports->begin(objects.front());
+
+  OpeningOptions options = openingOptions();
+  std::string names;
+  for (std::size_t n = 1; n < objects.size(); ++n) {
+    options.beside.push_back({objects[n], {}, options.prepare});
+    names += (n > 1 ? ", " : "") + objects[n].filename().string();
+  }
+  const fs::path first = objects.front();
+  openBy(phrase("opening {} with {} beside", first.filename().string(), names),
+         [first, options](const Progress& progress) -> Expected<Opened> {
+           KERF_TRY(opened, openToCut(first, options, progress));
+           opened.notes.insert(opened.notes.begin(),
+                               phrase("{} is worked on; to work on another one: neighbour.work-on", opened.name));
+           return std::move(opened);
+         });
+}
+
+OpeningOptions Sessions::openingOptions() const {
+  const WorkbenchOptions& options = bench_.options();
+  OpeningOptions out{options.data_folder,
+                     {options.unit, options.voxel_mm, {}},
+                     bench_.tools->forSession(),
+                     options.real_time,
+                     bench_.device->arm().coupling()};
+  out.coming_tools = bench_.tools->coming();
+  return out;
+}
+
+void Sessions::openBranch(const Branch& branch) { openBranch(branch, nullptr); }
+
+void Sessions::openBranch(const Branch& branch, std::shared_ptr<const Kept> kept) {
+  const bool is_end = !branch.point.sample && !branch.point.step_began;
+  const auto load = [branch, is_end, options = openingOptions()](const Progress& progress) {
+    return is_end ? openToCut(branch.run, options, progress)
+                  : openBranchToCut(branch.run, branch.point, options, progress);
+  };
+  openBy(phrase("going on: {}", branch.text), load, std::move(kept));
+}
+
+void Sessions::openBy(const std::string& title, Load load) { openBy(title, std::move(load), nullptr); }
+
+void Sessions::openBy(const std::string& title, Load load, std::shared_ptr<const Kept> kept) {
+  if (bench_.jobs->isBusy()) return;
+  const auto take = [this, kept](Expected<Opened> loaded) {
+    if (!loaded) return bench_.notices->complain(loaded.error());
+    const auto next = std::make_shared<Opened>(std::move(*loaded));
+    // Writes the previous session only once its replacement is loaded.
+    afterClose([this, next, kept] { show(*next, kept.get()); });
+  };
+  bench_.jobs->start<Opened>(Jobs::Kind::kReads, title, std::move(load), take);
+}
+
+void Sessions::afterClose(std::function<void()> next) {
+  if (!bench_.document->isOpen()) return next();
+  close();
+  bench_.jobs->then(std::move(next));
+}
+
+void Sessions::show(Opened& loaded, const Kept* kept) {
+  bench_.tools->takeRack(true);  // its tools are ready: the loading job waited for them
+  const CouplingSettings& coupling = loaded.run->model().settings.coupling;
+  Hands hands;
+  hands.mouse =
+      std::make_unique<MouseHand>(loaded.run->original(), loaded.run->thread().session().state().body.pose, coupling);
+  hands.leading = std::make_shared<HandSwitch>(*hands.mouse);
+  hands.guided = std::make_unique<GuidedHand>(*hands.leading, coupling.stiffness, coupling.turn_stiffness);
+  hands.mouse->keepAwayFrom(loaded.structures);
+  hands.mouse->keepAwayFromBeside(loaded.neighbours);
+  if (const auto started = loaded.run->start(*hands.guided); !started) {
+    (void)loaded.run->finish();
+    return bench_.notices->complain(started.error());
+  }
+
+  bench_.imports->putAway();
+  if (bench_.document->watched()) bench_.closing();
+  if (kept) {
+    loaded.source = kept->source;
+    loaded.name = kept->name;
+    loaded.sources_beside = kept->sources_beside;
+  }
+  const std::vector<std::string> notes = std::move(loaded.notes);
+  const Opening how = kept ? Opening::kReopened : Opening::kNew;
+  bench_.document->open(std::move(loaded), std::move(hands), how);
+  const LiveRun& run = *bench_.document->run();
+  for (const std::string& name : run.missingPieces())
+    bench_.notices->say(phrase("not found again, and so where it was in the scan: {}", name));
+  constexpr double kWorthSaying = 0.01;  // mm^3
+  if (run.addedBefore() > kWorthSaying)
+    bench_.notices->say(
+        phrase("WARNING: {:.2f} mm3 that were added before count and cut as the tissue around them from here on: the "
+               "run is of an older Kerf, which did not keep their material",
+               run.addedBefore()));
+  bench_.opened(how);
+  for (const std::string& note : notes) bench_.notices->say(note);
+  if (kept)
+    restore(*kept);
+  else
+    bench_.history->remember(bench_.document->source());
+}
+
+void Sessions::restore(const Kept& kept) {
+  if (kept.wanted.branch) bench_.steps->continuesBranch(kept.wanted.branch->text);
+  if (kept.is_unexported) bench_.results->markUnexported();
+  bench_.views->tissues().choose(kept.tissues);
+  bench_.saw->plan() = kept.plan;
+  bench_.tools->selectFile(kept.tool);
+}
+
+void Sessions::reopen(Reopening wanted) {
+  const LiveRun* const run = bench_.document->run();
+  if (!run || bench_.jobs->isBusy()) return;
+  const Document& document = *bench_.document;
+  const auto kept = std::make_shared<Kept>();
+  kept->case_or_run = run->from().empty() ? run->caseFolder() : run->from();
+  kept->session = document.sessionFolder();
+  kept->source = document.source();
+  kept->tool = wanted.tool.empty() ? run->tools()[bench_.tools->inHand()].file : wanted.tool;
+  kept->name = document.name();
+  kept->sources_beside = document.sourcesBeside();
+  for (const fs::path& file : wanted.further_sources) kept->sources_beside.push_back(file);
+  for (const CaseBeside& other : wanted.further) kept->sources_beside.push_back(other.folder);
+  for (const LiveNeighbour& other : run->neighbours())
+    if (!other.known.has_begin) kept->beside.push_back({other.known.folder, other.known.name});
+  kept->plan = bench_.saw->plan();
+  kept->tissues = bench_.views->tissues().choices();
+  kept->is_unexported = bench_.results->hasUnexportedCut() || wanted.branch;
+  kept->wanted = std::move(wanted);
+
+  endRun(kept->wanted.branch.has_value(), kept->wanted.branch ? Tells::kAll : Tells::kFaults);
+  bench_.jobs->then([this, kept] {
+    if (has_failed_) return;  // the log holds the cuts: opens nothing over it
+    if (kept->wanted.branch) {
+      const Branch& branch = *kept->wanted.branch;
+      return openBranch(has_written_ ? branch : bench_.steps->savedOf(branch, kept->session), kept);
+    }
+    OpeningOptions options = openingOptions();
+    std::vector<CaseBeside> beside = has_written_ ? std::vector<CaseBeside>{} : kept->beside;
+    beside.insert(beside.end(), kept->wanted.further.begin(), kept->wanted.further.end());
+    for (const CaseBeside& other : beside) options.beside.push_back({other.folder, other.name, {}});
+    const auto load = [next = has_written_ ? kept->session : kept->case_or_run, options](const Progress& progress) {
+      return openToCut(next, options, progress);
+    };
+    openBy(kept->wanted.further.empty() ? "taking the tool" : "placing what stands beside", load, kept);
+  });
+}
+
+// ---- Ending
+
+void Sessions::close() { endRun(false, Tells::kAll); }
+
+// @param keeps_ahead  also keeps the undone steps ahead if the session holds no other steps.
+void Sessions::endRun(bool keeps_ahead, Tells tells) {
+  if (bench_.jobs->isBusy() || !bench_.document->isOpen()) return;
+  has_written_ = has_failed_ = false;
+  bench_.strokes->release();
+  const std::vector<std::uint64_t> dropped = bench_.steps->droppedSteps(keeps_ahead);
+  const std::ptrdiff_t left = bench_.steps->undosLeft();
+  bench_.closing();
+  const auto ending = std::make_shared<EndingRun>(bench_.document->end());
+  const fs::path folder = ending->folder;
+  const std::string title = phrase("writing the session of {}", ending->name);
+  auto work = [ending, left, dropped, data = bench_.options().data_folder](const Progress&) -> Expected<EndedSession> {
+    sendTheRest(*ending->run, left, ending->sent);
+    EndedSession out = endSession(*ending->run, dropped, data, ending->name);
+    if (out.run)
+      if (auto report = readRunReport(ending->folder)) out.report = std::move(*report);
+    return out;
+  };
+  const auto take = [this, folder, tells](Expected<EndedSession> ended) { takeEnded(std::move(ended), folder, tells); };
+  constexpr bool kCanBeCancelled = false;
+  bench_.jobs->start<EndedSession>(Jobs::Kind::kWrites, title, std::move(work), take, kCanBeCancelled);
+}
+
+void Sessions::takeEnded(Expected<EndedSession> ended, const fs::path& folder, Tells tells) {
+  has_failed_ = !ended || ended->hasFailed();
+  has_written_ = ended && ended->isWritten();
+  if (!ended) return bench_.notices->complain(ended.error());
+  if (ended->failed) bench_.notices->complain(*ended->failed);
+  bench_.steps->sessionEnded(*ended, folder);
+  last_result_ = ended->report;
+  if (ended->run && tells == Tells::kAll) tellEnd(*ended, folder);
+  if (!ended->run && ended->run.error().code != Error::Code::kEmpty) bench_.notices->complain(ended->run.error());
+}
+
+void Sessions::tellEnd(const EndedSession& ended, const fs::path& folder) {
+  bench_.notices->say(
+      (ended.report ? resultText(*ended.report, bench_.document->materials()) : "") +
+      phrase("session written: {}\nas a mesh again: kerf export {} -o OUT.stl", folder.string(), folder.string()));
+  for (std::size_t n = 0; n < ended.run->beside.size(); ++n)
+    if (const RunManifest::Beside& other = ended.run->beside[n]; other.removed_mm3 > 0)
+      bench_.notices->say(phrase("{:.4f} mm3 were cut off the neighbour {}: kerf export {} --beside {} -o OUT.stl",
+                                 other.removed_mm3, other.name, folder.string(), n + 1));
+}
+
+void Sessions::endNow() {
+  if (!bench_.document->isOpen()) return;
+  const std::vector<std::uint64_t> dropped = bench_.steps->droppedSteps(false);
+  const std::ptrdiff_t left = bench_.steps->undosLeft();
+  bench_.closing();
+  const EndingRun ending = bench_.document->end();
+  sendTheRest(*ending.run, left, ending.sent);
+  (void)endSession(*ending.run, dropped, bench_.options().data_folder, ending.name);
+}
+
+}  // namespace kerf
