@@ -32,7 +32,7 @@ Error writeError(const fs::path& path, const std::string& step, int reason) {
   std::string hint = "check the path and its permissions";
   if (reason == ENOSPC || reason == EDQUOT) hint = "free some space or choose another disk; nothing was overwritten";
   if (reason == ENOENT) hint = "make the folder first";
-  if (reason == EROFS) hint = "choose a disk that can be written to";
+  if (reason == EROFS) hint = "choose a writable disk";
   return {Error::Code::kWriteFailed, path.string(), step, std::strerror(reason), "", hint};
 }
 
@@ -239,7 +239,7 @@ Expected<AtomicFile> AtomicFile::create(const fs::path& path) {
     return fail({.code = Error::Code::kWriteFailed,
                  .file = path.string(),
                  .place = "opening for writing",
-                 .found = "a link to what is not there",
+                 .found = "a broken link",
                  .expected = "a new file, or a link to one",
                  .hint = "delete the link, or choose another name"});
   int fd = -1;
@@ -353,8 +353,8 @@ Error holdsForeign(const fs::path& path, const std::string& entry) {
           .file = path.string(),
           .place = "folder",
           .found = "it also holds \"" + entry + "\", which Kerf did not write",
-          .expected = "a folder with nothing in it that would be lost",
-          .hint = "move that away, or choose another name"};
+          .expected = "a folder without other files",
+          .hint = "move it away, or choose another name"};
 }
 
 }  // namespace
@@ -396,14 +396,14 @@ Expected<AtomicFolder> AtomicFolder::create(const fs::path& path, bool overwrite
       return refuse(other, expected, "choose another name: only a folder of the same kind is replaced");
     if (!empty && !fs::exists(state->target / manifest, error))
       return refuse("it exists and was not made by Kerf", expected,
-                    "choose another name; Kerf does not delete what it did not write");
+                    "choose another name; Kerf deletes only its own files");
     if (const std::string foreign = empty ? "" : foreignEntry(state->target, manifest); !foreign.empty())
       return fail(holdsForeign(path, foreign));
   } else if (fs::is_symlink(fs::symlink_status(state->target, error))) {
     return fail({.code = Error::Code::kWriteFailed,
                  .file = path.string(),
                  .place = "folder",
-                 .found = "a link to what is not there",
+                 .found = "a broken link",
                  .expected = "a new folder, or a link to one",
                  .hint = "delete the link, or choose another name"});
   }
@@ -445,8 +445,8 @@ Expected<void> AtomicFolder::commit() {
                  .file = s.path.string(),
                  .place = "folder",
                  .found = "another program wrote it in the meantime",
-                 .expected = "a folder that stays as it was",
-                 .hint = "look at what is there; choose another name, or --overwrite"});
+                 .expected = "an unchanged folder",
+                 .hint = "look into the folder; choose another name, or --overwrite"});
   } else {
     return fail(writeError(s.path, "renaming into place", errno));
   }

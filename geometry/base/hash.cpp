@@ -48,7 +48,7 @@ Expected<std::string> sha256OfFile(const std::filesystem::path& path) {
                  .place = "file",
                  .found = std::filesystem::is_directory(status) ? "a folder" : "a pipe or a device",
                  .expected = "a regular file",
-                 .hint = "get the folder it lies in again: Kerf writes nothing of that kind"});
+                 .hint = "get its folder from the source again: Kerf writes no such file"});
   std::ifstream in(path, std::ios::binary);
   const auto refuse = [&](Error::Code code) {
     return fail({.code = code,

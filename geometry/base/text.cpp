@@ -19,7 +19,7 @@ Expected<std::string> readSmallFile(const std::filesystem::path& file, std::size
                                                                      ? fmt::format("{} kB", most_bytes >> 10)
                                                                      : fmt::format("{} MB", most_bytes >> 20))});
   };
-  const auto reason = [] { return std::string("can not be read: ") + std::strerror(errno); };
+  const auto reason = [] { return std::string("cannot be read: ") + std::strerror(errno); };
   const int fd = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);  // a pipe would block
   if (fd < 0 && errno == ENOENT) return refuse(Error::Code::kNotFound, "no such file");
   if (fd < 0) return refuse(Error::Code::kUnreadable, reason());

@@ -114,17 +114,17 @@ Error notMet(const Mesh& source, std::span<const Plane> planes, bool nothing_abo
           .place = "plane cut",
           .found = nothing_above
                        ? "nothing of the object lies above" + std::string(planes.size() > 1 ? " all planes" : "")
-                       : "all of the object lies above: nothing is cut",
+                       : "the whole object lies above: nothing to cut",
           .expected = "planes that pass through it: " + where,
-          .hint = "move the plane, or turn its normal round"};
+          .hint = "move the plane, or flip its normal"};
 }
 
 Error noRoom() {
   return {.code = Error::Code::kGeometry,
           .place = "plane cut",
-          .found = "planes that share no room above them",
-          .expected = "normals that point to what is to be cut off",
-          .hint = "turn a normal round"};
+          .found = "planes without a common space above them",
+          .expected = "normals that point to the side to cut off",
+          .hint = "flip a normal"};
 }
 
 // ---- The piece that is wanted
@@ -168,7 +168,7 @@ Expected<std::vector<Plane>> planesAround(const Mesh& above, const Vec3d& point)
     if (is_apart) continue;
     return fail({.code = Error::Code::kGeometry,
                  .place = "plane cut",
-                 .found = "another piece above the planes, too close to the one that is wanted",
+                 .found = "another piece above the planes, too close to the wanted one",
                  .expected = "pieces whose boxes do not meet",
                  .hint = "add a plane between them"});
   }
@@ -302,7 +302,7 @@ Expected<PlaneCut> cutByPlanes(const Mesh& source, std::span<const Plane> asked,
     last = tried ? Error{.code = Error::Code::kGeometry,
                          .place = "plane cut",
                          .found = tried->why_not,
-                         .expected = "a mesh that prints",
+                         .expected = "a printable mesh",
                          .hint = "move the plane by some hundredths of a millimetre, or kerf check on the source"}
                  : tried.error();
     if (last.code == Error::Code::kEmpty) break;

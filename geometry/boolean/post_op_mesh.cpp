@@ -256,7 +256,7 @@ Expected<PostOpMesh> postOperativeMesh(const Mesh& source, const BrickField& rho
     last = prepared
                ? Error{Error::Code::kGeometry, "",
                        "post-operative mesh",  prepared->why_not,
-                       "a mesh that prints",   "bake with another --voxel and cut again, or kerf check on the source"}
+                       "a printable mesh",     "bake with another --voxel and cut again, or kerf check on the source"}
                : prepared.error();
     if (last.code == Error::Code::kEmpty) break;  // shifting will not help
   }

@@ -76,7 +76,7 @@ tl::unexpected<Error> refuse(const MaterialBricks& bricks, std::string found, st
                .place = std::string("grid ") + kMaterialGrid,
                .found = std::move(found),
                .expected = std::move(expected),
-               .hint = "a run is never edited: take it from a copy, or cut again"});
+               .hint = "runs must not be edited: restore it from a copy, or cut again"});
 }
 
 std::string listOf(const std::map<std::uint8_t, std::string>& added) {

@@ -116,7 +116,7 @@ Expected<MeshFile> readSource(MeshSource& source, const Progress& progress) {
   if (!encoding.empty()) file->notes.emplace_back(encoding);
   if (by_name != row && !source.extension().empty())
     file->notes.emplace_back("The extension \"" + source.extension() + "\" does not fit: by its content the file is " +
-                             std::string(row->name) + ", and was read as such.");
+                             std::string(row->name) + "; it was read as such.");
   return file;
 }
 

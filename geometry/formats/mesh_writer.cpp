@@ -33,7 +33,7 @@ Expected<void> canWriteMesh(const std::filesystem::path& path) {
     if (!std::filesystem::is_directory(path, ignored) && access(path.c_str(), W_OK) == 0) return {};
     return fail({.code = Error::Code::kWriteFailed,
                  .file = path.string(),
-                 .found = std::filesystem::is_directory(path, ignored) ? "a folder" : "it can not be written to",
+                 .found = std::filesystem::is_directory(path, ignored) ? "a folder" : "it cannot be written",
                  .expected = "a file",
                  .hint = "choose another name"});
   }

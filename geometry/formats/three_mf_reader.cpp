@@ -105,7 +105,8 @@ class ThreeMfReader {
     const Part& other = *parts_.at(p.path);
     const std::size_t object = other.model.find(p.id);
     if (object == other.model.objects.size())
-      return bad(Error::Code::kBadValue, inQuotes(p.path), "no object " + std::to_string(p.id), "the one that is used");
+      return bad(Error::Code::kBadValue, inQuotes(p.path), "no object " + std::to_string(p.id),
+                 "the referenced object");
     return Target{&other, object};
   }
 

@@ -331,7 +331,7 @@ void judge(MeshReport& r) {
   if (r.self_intersections > 0)
     because(fmt::format("The surface crosses itself: {} meet where they are not joined.",
                         counted(r.self_intersections, "pair of triangles", "pairs of triangles")));
-  if (!r.self_intersections_checked) because("Self-intersections were not looked for.");
+  if (!r.self_intersections_checked) because("Self-intersections were not checked.");
 
   if (r.non_manifold_edges > 0)
     because(
@@ -353,9 +353,9 @@ void judge(MeshReport& r) {
 
   const double size = r.box.isEmpty() ? 0 : r.box.size().maxCoeff();
   if (!(size <= kLargestPrint))
-    because(fmt::format("It is {:.4g} mm long, more than any printer takes: another unit?", size));
+    because(fmt::format("It is {:.4g} mm long, more than any printer takes. Check the unit.", size));
   if (size < kSmallestPrint)
-    because(fmt::format("It is {:.4g} mm long, less than any printer makes: another unit?", size));
+    because(fmt::format("It is {:.4g} mm long, less than any printer makes. Check the unit.", size));
   if (r.boundary_edges == 0 && r.inward_pieces == 0 && !(r.volume > 0)) because("The enclosed volume is not positive.");
 }
 
@@ -436,8 +436,7 @@ std::string describe(const MeshReport& r) {
                       size.y(), size.z(), r.area);
   if (r.isClosed()) text += fmt::format(", volume {:.6g} mm3", r.volume);
   text += "\n";
-  if (r.cavities > 0)
-    text += "Cavities are shut in: a printer that works in resin or powder leaves some of it there.\n";
+  if (r.cavities > 0) text += "Closed cavities: a resin or powder printer leaves material in them.\n";
   return text;
 }
 

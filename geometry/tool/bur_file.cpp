@@ -238,7 +238,7 @@ std::optional<RevolvedProfile> buildHead(TomlTable& top, const HeadShape& shape,
     const HeadMistake& wrong = built.error();
     const auto key =
         std::find_if(headKeys().begin(), headKeys().end(), [&](const HeadKey& k) { return wrong.key == k.name; });
-    top.reject(wrong.key, key == headKeys().end() ? "a point that can not be drawn" : fmt::format("{}", n.*key->value),
+    top.reject(wrong.key, key == headKeys().end() ? "a point that cannot be drawn" : fmt::format("{}", n.*key->value),
                wrong.expected, wrong.hint);
     return std::nullopt;
   }

@@ -146,7 +146,7 @@ Outline twoArcs(const Numbers& n, double widest_at, double tip_diameter, double 
   if (r > kNearly * R) return wrong("tip_diameter", fmt::format("less than the head_diameter, {} mm", n.head_diameter));
   if (top > R) return wrong("top_diameter", fmt::format("at most the head_diameter, {} mm", n.head_diameter));
   if (up < R - top)
-    return wrong("top_diameter", fmt::format("at least {:.3g} mm: an arc can not bend in faster", 2 * (R - up)));
+    return wrong("top_diameter", fmt::format("at least {:.3g} mm: an arc cannot bend in faster", 2 * (R - up)));
 
   const double s = (R * R + (w - r) * (w - r) - r * r) / (2 * (R - r));
   const Point lower(R - s, w), tip(0, r);

@@ -41,7 +41,7 @@ void readMeshTool(TomlTable& top, const fs::path& folder, Tool& tool) {
   if (!isMeshName(name))
     top.reject("mesh", "\"" + name + "\"",
                "the name of a mesh file (" + readableExtensions() + ") in the folder of this one");
-  if (!(axis.norm() > 1e-9)) top.reject("axis", "no direction", "the way from the tip to the shank: [0, 0, 1]");
+  if (!(axis.norm() > 1e-9)) top.reject("axis", "no direction", "the direction from the tip to the shank: [0, 0, 1]");
   if (top.failed()) return;
 
   tool.mesh_file = folder / name;
@@ -56,7 +56,7 @@ void readMeshTool(TomlTable& top, const fs::path& folder, Tool& tool) {
   if (!report.print_ready)
     return top.reject("mesh", report.reasons.empty() ? "not a solid" : report.reasons.front(),
                       "a closed solid that does not cross itself",
-                      "kerf bake closes and mends meshes: take its solid.ply");
+                      "kerf bake closes and repairs meshes: use its solid.ply");
 
   const Box3 box = bounds(mesh);
   // Shorter or longer than any tool: most often another unit.

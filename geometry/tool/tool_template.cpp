@@ -34,8 +34,9 @@ std::string row(const std::string& assignment, const std::string& meaning) {
 
 // Head of every tool file.
 std::string head(const std::string& id, const char* name, const char* kind) {
-  return "# Lengths in mm; diameters, never radii. Say here where the numbers come from.\n"
-         "format = \"kerf-tool\"\nversion = 1\n" +
+  return "# Lengths in mm; diameters, never radii. Note the source of the numbers here.\n"
+         "format = \"kerf-tool\"\n"
+         "version = 1\n" +
          row(fmt::format("id = \"{}\"", id), "the file's name without .toml") +
          fmt::format("name = \"{}\"\ndescription = \"\"\nkind = \"{}\"\n", name, kind);
 }
@@ -65,18 +66,18 @@ std::string bladeTemplate(const BladeMotion& motion, const std::string& id) {
   std::string text = head(id, motion.form == ToolMotion::kSpin ? "My disc" : "My saw", "blade");
   text += row(fmt::format("motion = \"{}\"", motion.name), "how it moves");
   text += row("thickness = 0.4", "of the flanks, without set");
-  text += row("set_per_side = 0.02", "how far teeth stand out to either side");
+  text += row("set_per_side = 0.02", "set of the teeth to either side");
   const bool trembles = motion.form == ToolMotion::kStroke && std::string(motion.drive_keys.unit) == "kHz";
   for (const char* key : motion.keys)
     for (const BladeKey& known : kBladeKeys)
       if (std::string(key) == known.name)
         text += row(fmt::format("{} = {}", key, tomlNumber(trembles ? known.small : known.example)), known.meaning);
 
-  text += "# What drives it; left out: a training default for its motion (kerf tool info shows it).\n";
+  text += "# Drive; default: training values for its motion (kerf tool info shows them).\n";
   text += row("# [drive]", "at the end of the file");
   text += row(fmt::format("# {} = ...", motion.drive_keys.speed), motion.drive_keys.unit);
   text += row(fmt::format("# {} = ...", motion.drive_keys.stall),
-              fmt::format("what stops it, {}", motion.drive_keys.stall_unit));
+              fmt::format("stall load, {}", motion.drive_keys.stall_unit));
   return text;
 }
 
@@ -86,7 +87,7 @@ std::string meshToolTemplate(const std::string& mesh, const std::string& id, con
   text += row(fmt::format("mesh = \"{}\"", mesh), "a closed mesh, in the folder of this file");
   text += row("mm_per_unit = " + tomlNumber(numbers.mm_per_unit), "25.4 of a file in inches, 1000 in metres");
   text += row("tip = " + tomlVector(numbers.tip), "the lowest point along the axis, in the mesh's own coordinates");
-  text += row("axis = " + tomlVector(numbers.axis), "from the tip to the shank: about it the tool turns");
+  text += row("axis = " + tomlVector(numbers.axis), "from the tip to the shank; the tool turns about this axis");
   text += row("cut_below = " + tomlNumber(numbers.cut_below_mm),
               "mm above the tip: up to there it cuts, above it collides");
   return text;
@@ -110,7 +111,7 @@ std::string toolTemplate(const HeadShape& shape, const std::string& id) {
     const std::string meaning = is_angle ? fmt::format("{}, in {}", key.meaning, key.unit) : key.meaning;
 
     if (!is_diameter && taken->unsaid) {
-      text += row("# " + assignment, fmt::format("{}; left out: {}", meaning, taken->unsaid));
+      text += row("# " + assignment, fmt::format("{}; default: {}", meaning, taken->unsaid));
     } else {
       numbers.*key.value = std::round(1000 * value) / 1000;
       text += row(assignment, meaning);
@@ -136,13 +137,13 @@ std::string toolTemplate(const HeadShape& shape, const std::string& id) {
   text += row(fmt::format("shank_length = {}", tomlNumber(kOverall - 2 - length)), "19 mm in all");
   text += row("# iso6360 = \"806314198524016\"", "material, shank, shape, grit, head diameter in 1/10 mm");
 
-  text += "# What turns it; left out: a training default for its kind and shank (kerf tool info shows it).\n";
+  text += "# Drive; default: training values for its kind and shank (kerf tool info shows them).\n";
   text += row("# [drive]", "at the end of the file");
   text += row("# handpiece = \"turbine\"", handpieceNames());
   text += row("# speed_rpm = 380000", "free, unloaded");
-  text += row("# stall_torque_Nmm = 1", "what stops it");
+  text += row("# stall_torque_Nmm = 1", "stall torque");
   text += row("# time_constant_s = 0.32", "how fast speed follows");
-  text += row("# energy_factor = 22", "cutting energy over the table's; left out: by the tool's material");
+  text += row("# energy_factor = 22", "cutting energy over the table's; default: by the tool's material");
   text += row("# drag_factor = 1.33", "drag over the table's: diamond 1.33, carbide 1.67, saws 2");
   return text;
 }

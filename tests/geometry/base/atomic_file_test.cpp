@@ -75,7 +75,7 @@ TEST(AtomicFile, ALinkToWhatIsNotThereIsRefused) {
   fs::create_symlink("nowhere.stl", folder.path() / "cut.stl");
   const auto made = AtomicFile::create(folder.path() / "cut.stl");
   ASSERT_FALSE(made);
-  EXPECT_EQ(made.error().found, "a link to what is not there");
+  EXPECT_EQ(made.error().found, "a broken link");
   EXPECT_EQ(folder.entries(), 1u);
 }
 
@@ -235,7 +235,7 @@ TEST(AtomicFolder, ALinkToWhatIsNotThereIsRefusedBeforeTheWork) {
   for (const bool overwrite : {false, true}) {
     const auto made = AtomicFolder::create(folder.path() / "case", overwrite);
     ASSERT_FALSE(made);
-    EXPECT_EQ(made.error().found, "a link to what is not there");
+    EXPECT_EQ(made.error().found, "a broken link");
   }
   EXPECT_FALSE(fs::exists(folder.path() / "nowhere"));
 }
