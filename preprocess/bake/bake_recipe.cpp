@@ -88,9 +88,9 @@ Expected<void> storeRecipe(const fs::path& recipe_file, const fs::path& case_fol
 
 // readMeshSources() treats every given unit as one from the command line.
 void creditUnitToRecipe(CaseManifest& manifest) {
-  constexpr std::string_view kAsked = "as asked with --unit";
+  constexpr std::string_view kAsked = "set with --unit";
   for (CaseSource& source : manifest.sources)
-    if (source.unit_reason.starts_with(kAsked)) source.unit_reason.replace(0, kAsked.size(), "as the recipe says");
+    if (source.unit_reason.starts_with(kAsked)) source.unit_reason.replace(0, kAsked.size(), "set in the recipe");
 }
 
 // Result of the label volume: the surface around all tissue, and the label of a place.
@@ -119,7 +119,7 @@ Expected<SmoothLabels> smoothLabels(const CaseRecipe& recipe, const fs::path& pa
 std::vector<std::string> notesOn(const LabelVolume& volume, const SmoothLabels& labels) {
   std::vector<std::string> notes;
   if (volume.is_spacing_given)
-    notes.push_back(fmt::format("the spacing, {} x {} x {} mm, is the recipe's", volume.spacing[0], volume.spacing[1],
+    notes.push_back(fmt::format("spacing {} x {} x {} mm, from the recipe", volume.spacing[0], volume.spacing[1],
                                 volume.spacing[2]));
   for (const LabelVolumeReport& r : labels.reports())
     if (r.pieces_now != r.pieces)

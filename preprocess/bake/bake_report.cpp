@@ -56,9 +56,9 @@ std::string whatIsLost(const CloseReport& c) {
     text += fmt::format(", {} of them together near ({:.1f}, {:.1f}, {:.1f}) mm", c.lost_at[0].vertices, p.x(), p.y(),
                         p.z());
   }
-  if (c.vertices_trimmed > 0) text += fmt::format(", beside {} that were trimmed, as asked", c.vertices_trimmed);
+  if (c.vertices_trimmed > 0) text += fmt::format(", besides {} trimmed by --trim-rim", c.vertices_trimmed);
   if (c.vertices_in_specks > 0)
-    text += fmt::format(", beside {} of pieces that were dropped, as asked", c.vertices_in_specks);
+    text += fmt::format(", besides {} of pieces dropped by --drop-specks", c.vertices_in_specks);
   return text;
 }
 
@@ -127,10 +127,10 @@ void warnOfLostSurface(const CaseManifest& m, std::vector<std::string>& out) {
   constexpr double kMatters = 0.05;  // less is lost by every scan at a coarse voxel, along its creases
   const double lost = 1 - m.shell_area_mm2 / m.solid_area_mm2;
   if (!(lost > kMatters)) return;
-  out.push_back(fmt::format(
-      "gaps and ridges narrower than {:g} mm, {:.0f} % of the surface, are not there for the tool: it can not cut into "
-      "them or feel them. What you export keeps them. --voxel {:g} keeps more",
-      m.voxel_mm, 100 * lost, m.voxel_mm / 2));
+  out.push_back(
+      fmt::format("the tool cannot cut or feel gaps and ridges narrower than {:g} mm, {:.0f} % of the surface. The "
+                  "export keeps them. --voxel {:g} keeps more",
+                  m.voxel_mm, 100 * lost, m.voxel_mm / 2));
 }
 
 }  // namespace
@@ -171,7 +171,7 @@ std::string describe(const BakeReport& r) {
     for (const std::string& warning : r.manifest.warnings.value_or(std::vector<std::string>{}))
       out.line("WARNING: " + warning);
     addPairCheck(r, out);
-    out.line("the case is there already, of the same inputs and settings; --overwrite bakes it again");
+    out.line("the case already exists, from the same inputs and settings; --overwrite bakes it again");
     return out.take();
   }
 

@@ -200,14 +200,14 @@ Expected<void> checkObjectSize(const std::vector<fs::path>& paths, const std::ve
     e.place = "size";
     e.found = object;
     e.expected = fmt::format("at most {:g} mm across", kLargestObject);
-    e.hint = "another --unit, or none";
+    e.hint = "use another --unit, or none";
     return fail(std::move(e));
   }
   if (h > size.maxCoeff()) {
     e.place = "voxel size";
     e.found = fmt::format("{} mm for {}", h, object);
     e.expected = "an object larger than a voxel";
-    e.hint = "another --unit, or none; or a finer --voxel";
+    e.hint = "use another --unit, or none; or a smaller --voxel";
     return fail(std::move(e));
   }
 
@@ -221,7 +221,7 @@ Expected<void> checkObjectSize(const std::vector<fs::path>& paths, const std::ve
   e.place = "voxel size";
   e.found = fmt::format("{} mm would need {:.1f} GB or more for {}", h, static_cast<double>(least) / 1e9, object);
   e.expected = fmt::format("at most {:.1f} GB", static_cast<double>(most) / 1e9);
-  e.hint = "another --unit, or none";
+  e.hint = "use another --unit, or none";
   if (fits <= kLargestVoxel) e.hint += fmt::format("; or a coarser --voxel, {:.3f} or more", fits);
   return fail(std::move(e));
 }

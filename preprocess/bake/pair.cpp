@@ -48,10 +48,10 @@ Vec3d sharePlane(const OcclusalPlane& p, const OcclusalPlane& q, Fitted& out) {
   const double angle = std::acos(std::clamp(-p.normal.dot(q.normal), -1.0, 1.0)) * 180 / std::numbers::pi;
   out.check.planes_disagree_deg = angle;
   if (angle > kMostDegrees) {
-    out.check.warnings.push_back(fmt::format(
-        "the occlusal planes found disagree by {:.0f} degrees, where jaws that meet agree within {:.0f}: they are "
-        "hardly in one frame. Each base follows its own plane",
-        angle, kMostDegrees));
+    out.check.warnings.push_back(
+        fmt::format("the occlusal planes differ by {:.0f} degrees, more than the {:.0f} of jaws in occlusion: the jaws "
+                    "are probably not in one frame. Each base follows its own plane",
+                    angle, kMostDegrees));
     return p.normal;
   }
 
@@ -79,7 +79,7 @@ Fitted fitTogether(const std::array<const Mesh*, 2>& jaws, const CloseOptions& c
   check.boxes_apart_mm = gap.cwiseMax(0).norm();
   if (check.boxes_apart_mm > kMostApart)
     check.warnings.push_back(fmt::format(
-        "the jaws lie {:.0f} mm apart: they are hardly in one frame. Export both from the scanner as they meet",
+        "the jaws are {:.0f} mm apart and probably not in one frame. Export both from the scanner in occlusion",
         check.boxes_apart_mm));
 
   // The direction from one jaw to the other: roughly, or along the occlusal normal.
@@ -97,9 +97,9 @@ Fitted fitTogether(const std::array<const Mesh*, 2>& jaws, const CloseOptions& c
     const double least = std::min(extent(*jaws[0], n, low[0], high[0]), extent(*jaws[1], n, low[1], high[1]));
     check.overlap_mm = std::max(0.0, std::min(high[0], high[1]) - std::max(low[0], low[1]));
     if (check.overlap_mm > kMostOverlap * least)
-      check.warnings.push_back(
-          fmt::format("the jaws reach {:.1f} mm into each other, of {:.1f} mm height: they are hardly in one frame",
-                      check.overlap_mm, least));
+      check.warnings.push_back(fmt::format(
+          "the jaws reach {:.1f} mm into each other, of {:.1f} mm height, and are probably not in one frame",
+          check.overlap_mm, least));
   }
   return out;
 }
@@ -125,7 +125,7 @@ Expected<std::array<std::filesystem::path, 2>> pairFolders(const std::array<std:
                  .file = meshes[1].string(),
                  .place = "--pair",
                  .found = fmt::format("two files named \"{}\"", meshes[0].stem().string()),
-                 .expected = "two names: the cases are called after them",
+                 .expected = "two names, because the cases get these names",
                  .hint = "rename one, for example to lower" + meshes[1].extension().string()});
   std::filesystem::path base = name;
   if (base.extension() == ".case") base.replace_extension();
@@ -147,7 +147,7 @@ Expected<std::array<BakeReport, 2>> bakePair(const std::array<std::filesystem::p
                  .found = fmt::format("{} ({}), but {} for {} ({})", second.unit.unit, second.unit.reason,
                                       first.unit.unit, meshes[0].string(), first.unit.reason),
                  .expected = "one unit for both jaws of a pair",
-                 .hint = "--unit mm, or whichever it is"});
+                 .hint = "set the unit, for example --unit mm"});
 
   std::string text = "kerf-frame 1\n";
   for (const Jaw* jaw : {&first, &second}) text += fmt::format("{} {}\n", jaw->sha256, jaw->unit.scale_to_mm);

@@ -466,9 +466,9 @@ void reportBridges(BridgedGaps gaps, double scan_mm2, double scale, CloseReport&
 
   if (report.bridged_share <= kMostBridged && report.widest_span_mm <= kWidestSpan * scale) return;
   const std::string warning = fmt::format(
-      "{:.0f} mm2 of surface that nobody scanned, {:.2g} % of the scan's area, lie flat over gaps of its rim{}{}. "
-      "Sockets of teeth are roofed over like that. Look there before anything is cut; try --base-smoothing 0, which "
-      "leaves gaps open down through the base, or fill them in the scanner's program",
+      "{:.0f} mm2 of added surface, {:.2g} % of the scan's area, lie flat over gaps of its rim{}{}. They may cover "
+      "tooth sockets. Check these places before cutting; try --base-smoothing 0, which leaves the gaps open through "
+      "the base, or fill them in the scanner software",
       report.bridged_mm2, 100 * report.bridged_share, report.wide_spans.empty() ? "" : ", the widest ",
       listOf(report.wide_spans));
   report.warnings.push_back(warning);

@@ -693,7 +693,7 @@ Expected<void> plugPinholes(const Mesh& imported, const CloseOptions& options, i
 
   report.pinholes_mended = static_cast<std::size_t>(first - now);
   report.changes.push_back(counted(report.pinholes_mended, "pinhole", "pinholes") +
-                           (first - now == 1 ? " that the base made was mended" : " that the base made were mended"));
+                           (first - now == 1 ? " made by the base was repaired" : " made by the base were repaired"));
   return {};
 }
 

@@ -43,16 +43,16 @@ std::vector<Triangle> weldedTriangles(const Mesh& mesh, std::size_t& used) {
 
 // Other remedies. A wrap is the last resort, because it fills spaces out of its reach, such as cavities.
 std::string otherWays(const CloseReport& report) {
-  return report.exact ? "--close repair, --close wrap, or mend the mesh in another program"
-                      : "--close repair, or mend the mesh in another program: a wrap fills cavities and what it can "
-                        "not get into";
+  return report.exact ? "--close repair, --close wrap, or repair the mesh in another program"
+                      : "--close repair, or repair the mesh in another program: a wrap fills cavities and spaces that "
+                        "it cannot enter";
 }
 
 Error refusalOf(std::string found, std::string expected, const CloseReport& report) {
   return {.code = Error::Code::kGeometry,
           .found = std::move(found),
           .expected = std::move(expected),
-          .hint = otherWays(report) + "; --accept-doubtful takes the solid as it is"};
+          .hint = otherWays(report) + "; --accept-doubtful accepts the solid"};
 }
 
 // Reference for the volume of a solid, mm3.
@@ -79,11 +79,11 @@ void judgeSkin(const Mesh& solid, const CloseReport& report, Judgement& out) {
   const std::string way =
       "--close base if it is a scan whose underside is missing, or close the surface in another "
       "program";
-  out.warnings.push_back("THE SOLID IS A SKIN: it is " + found + ". Look at it before anything is cut; try " + way);
+  out.warnings.push_back("THE SOLID IS A SKIN: it is " + found + ". Check it before cutting; try " + way);
   out.refusal = Error{.code = Error::Code::kGeometry,
                       .found = found,
                       .expected = "a surface with an inside, or a scan that is open below",
-                      .hint = way + "; --accept-doubtful takes the skin as it is"};
+                      .hint = way + "; --accept-doubtful accepts the skin"};
 }
 
 /// "it reaches 5.4 mm beyond the scan on the +z side"; empty if the solid reaches as far as the scan.
@@ -117,7 +117,7 @@ void judgeExtent(const Mesh& solid, const CloseReport& report, const Chain& clos
     out.warnings.back() += "; " + extent;
   else
     out.warnings.push_back("THE SOLID IS NOT AS LARGE AS THE SCAN: " + extent +
-                           ". Look there before anything is cut; try " + otherWays(report));
+                           ". Check these places before cutting; try " + otherWays(report));
 }
 
 void judgePieces(const Mesh& solid, const CloseReport& report, const Chain& closed, Judgement& out) {
@@ -125,13 +125,12 @@ void judgePieces(const Mesh& solid, const CloseReport& report, const Chain& clos
   const PieceChanges pieces = report.exact ? comparePieces(closed, solid) : compareWrappedPieces(closed, solid);
   const auto near = [](const Vec3d& p) { return fmt::format("({:.1f}, {:.1f}, {:.1f}) mm", p.x(), p.y(), p.z()); };
   if (pieces.lost > 0)
-    out.warnings.push_back(
-        fmt::format("{} OF THE SCAN {} LOST: {} of {} in no part of the solid, as near {}. Look at "
-                    "it before anything is cut; try {}",
-                    pieces.lost == 1 ? "A PIECE" : "PIECES", pieces.lost == 1 ? "IS" : "ARE", pieces.lost,
-                    pieces.pieces, near(pieces.lost_at), otherWays(report)));
+    out.warnings.push_back(fmt::format(
+        "{} OF THE SCAN {} LOST: {} of {} in no part of the solid, such as near {}. Check it before cutting; try {}",
+        pieces.lost == 1 ? "A PIECE" : "PIECES", pieces.lost == 1 ? "IS" : "ARE", pieces.lost, pieces.pieces,
+        near(pieces.lost_at), otherWays(report)));
   if (pieces.joined == 0) return;
-  const std::string joined = fmt::format("{} of the scan that do not meet are one in the solid, as near {}",
+  const std::string joined = fmt::format("{} of the scan that do not touch are one in the solid, such as near {}",
                                          counted(pieces.joined + 1, "piece", "pieces"), near(pieces.joined_at));
   if (report.exact)
     out.notes.push_back(joined);
@@ -154,13 +153,11 @@ void judgeVolume(const Mesh& mesh, const Mesh& solid, const Expectation& expecte
   if (!(before > 0)) return;
   const std::string found =
       fmt::format("{:.4g} mm3, {:.3g} times the {:.4g} mm3 that {}", after, after / before, before, expected.of);
-  out.warnings.push_back("THE SOLID IS NOT WHAT WAS SCANNED: it has " + found +
-                         ". Look at it before anything is cut; try " + otherWays(report));
+  out.warnings.push_back("THE SOLID DIFFERS FROM THE SCAN: it has " + found + ". Check it before cutting; try " +
+                         otherWays(report));
   if (after > kRefusedGrowth * most || after < kRefusedShrink * least)
-    out.refusal = refusalOf(
-        "a solid of " + found,
-        fmt::format("{} to {} times as much: a solid that is what was scanned", kRefusedShrink, kRefusedGrowth),
-        report);
+    out.refusal =
+        refusalOf("a solid of " + found, fmt::format("{} to {} times as much", kRefusedShrink, kRefusedGrowth), report);
 }
 
 /// Number of lost vertices inside the solid: a union swallows them, which is no loss. Exception: a whole missing piece
@@ -195,11 +192,10 @@ void judgeLoss(const Mesh& mesh, const Mesh& solid, std::size_t vertices, bool i
 
   const std::string found =
       fmt::format("{} of its {} vertices ({:.0f} %) are not in the solid", count, vertices, 100 * share(count));
-  out.warnings.push_back("MUCH OF THE SCAN IS LOST: " + found + ". Look at it before anything is cut; try " +
-                         otherWays(report));
+  out.warnings.push_back("MUCH OF THE SCAN IS LOST: " + found + ". Check it before cutting; try " + otherWays(report));
   if (share(count) > kRefusedLost && !is_volume_right && !out.refusal)
-    out.refusal = refusalOf("a closing that ruins the scan: " + found,
-                            "three fifths at most: a layer that is there twice loses half", report);
+    out.refusal =
+        refusalOf("a closing that ruins the scan: " + found, "three fifths at most: a double layer loses half", report);
 }
 
 }  // namespace
@@ -244,10 +240,10 @@ Judgement judgeSolid(const Mesh& imported_mm, const Mesh& solid, const CloseRepo
   judgeLoss(closed ? closed->mesh : imported_mm, solid, used, is_volume_right, report, out);
 
   if (report.handles_added > kMostHandles)
-    out.warnings.push_back(fmt::format(
-        "THE SOLID IS FULL OF HOLES: {} go right through it that the scan has not. Look at it before anything is cut; "
-        "try --base-smoothing 16, or mend the mesh in another program",
-        report.handles_added));
+    out.warnings.push_back(
+        fmt::format("THE SOLID IS FULL OF HOLES: {} go right through it that the scan does not have. Check it before "
+                    "cutting; try --base-smoothing 16, or repair the mesh in another program",
+                    report.handles_added));
   return out;
 }
 

@@ -113,7 +113,7 @@ Error heap(std::size_t limit, const char* what, double tolerance) {
   e.code = Error::Code::kGeometry;
   e.found = fmt::format("more than {} {} within {:.2g} mm of each other", limit, what, tolerance);
   e.expected = "a surface with seams, not a heap of triangles";
-  e.hint = "--stitch-mm 0, which joins nothing, or mend the mesh in another program";
+  e.hint = "--stitch-mm 0, which joins nothing, or repair the mesh in another program";
   return e;
 }
 

@@ -55,7 +55,7 @@ Expected<Mesh> wrapSoup(const Mesh& soup, double alpha_mm, double offset_mm, con
                  .found = fmt::format("{:g} mm, for an object of {:g} x {:g} x {:g} mm", alpha_mm, size[0] * alpha_mm,
                                       size[1] * alpha_mm, size[2] * alpha_mm),
                  .expected = fmt::format("{:.2g} mm or more", alpha_mm * std::sqrt(facets / kMostFacets)),
-                 .hint = "hollows that wide are bridged; or is the unit another?"});
+                 .hint = "a wrap bridges gaps of that width; or check the unit"});
   Poll poll(progress, 0.5, "shrink-wrapping");
   using Point = CGAL::Exact_predicates_inexact_constructions_kernel::Point_3;
   std::string why = "an empty result";

@@ -22,7 +22,7 @@ constexpr std::array<Unit, 5> kUnits{{{"mm", 1}, {"cm", 10}, {"m", 1000}, {"um",
 /// Units in which a size would be dental, with the size: "0.1047 mm across is no dental object; in m it would be
 /// 104.7".
 std::string elsewhere(double across, double mm) {
-  std::string text = fmt::format("{:.4g} mm across is no dental object", across * mm);
+  std::string text = fmt::format("{:.4g} mm across is not a dental size", across * mm);
   std::string_view separator = "; it would be ";
   for (const Unit& u : kUnits)
     if (u.fits(across)) {
@@ -62,7 +62,7 @@ Expected<UnitChoice> chooseUnit(const Box3& box, std::string_view asked, std::st
   // The user or the file names it.
   if (!asked.empty()) {
     KERF_TRY(mm, millimetresPer(asked));
-    UnitChoice choice = named(asked, mm, "as asked with --unit", across);
+    UnitChoice choice = named(asked, mm, "set with --unit", across);
     if (!declared.empty() && declared != asked) {
       choice.reason += fmt::format(", though the file says {}", declared);
       choice.is_doubtful = true;
@@ -81,7 +81,7 @@ Expected<UnitChoice> chooseUnit(const Box3& box, std::string_view asked, std::st
     return UnitChoice{
         "mm", 1,
         fmt::format(
-            "{:.4g} across fits a crown in mm; in cm it would be {:.4g} mm, in inches {:.4g} mm: say --unit if so",
+            "{:.4g} across fits a crown in mm; in cm it would be {:.4g} mm, in inches {:.4g} mm: if so, set --unit",
             across, 10 * across, 25.4 * across),
         true};
   if (fits_mm)
@@ -92,13 +92,12 @@ Expected<UnitChoice> chooseUnit(const Box3& box, std::string_view asked, std::st
   for (const Unit& u : kUnits)
     if (u.fits(across)) others.push_back(u);
   if (others.size() == 1)
-    return UnitChoice{
-        std::string(others[0].name), others[0].mm,
-        fmt::format("{:.4g} across is no dental object in mm, but {:.4g} mm if it is in {}; --unit overrides", across,
-                    across * others[0].mm, others[0].name),
-        true};
+    return UnitChoice{std::string(others[0].name), others[0].mm,
+                      fmt::format("{:.4g} across is not a dental size in mm, but {:.4g} mm in {} is; --unit overrides",
+                                  across, across * others[0].mm, others[0].name),
+                      true};
   return UnitChoice{"mm", 1,
-                    fmt::format("{:.4g} across fits {}: taken as mm, unscaled; say --unit if that is wrong", across,
+                    fmt::format("{:.4g} across fits {}: read as mm, unscaled; set --unit if that is wrong", across,
                                 others.empty() ? "no unit" : "several units but not mm"),
                     true};
 }

@@ -219,7 +219,7 @@ Expected<void> requireWholePixels(const fs::path& path) {
   if (ec || !in)
     return fail({.code = Error::Code::kUnreadable,
                  .file = path.string(),
-                 .found = "it can not be opened",
+                 .found = "it cannot be opened",
                  .expected = "a readable file"});
 
   Walk walk(in, bytes);

@@ -106,7 +106,7 @@ Expected<void> stackSlices(std::vector<Slice>& slices) {
                  .found = fmt::format("{:.4g} mm above {}", gaps[i], slices[i].path.filename().string()) +
                           (is_whole ? fmt::format(": {:.0f} missing between them", missing) : std::string()),
                  .expected = fmt::format("evenly spaced slices, {:.4g} mm apart", step),
-                 .hint = "export the series again: a slice is missing or there twice"});
+                 .hint = "export the series again: a slice is missing or duplicate"});
   }
   return {};
 }

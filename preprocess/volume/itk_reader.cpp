@@ -98,9 +98,9 @@ auto guarded(const std::filesystem::path& path, F&& f) -> decltype(f()) {
   } catch (const std::bad_alloc&) {
     return bad("more values than memory can hold");
   } catch (const std::exception& e) {
-    return bad("it can not be read: " + reason(e));
+    return bad("it cannot be read: " + reason(e));
   } catch (...) {
-    return bad("it can not be read");
+    return bad("it cannot be read");
   }
 }
 

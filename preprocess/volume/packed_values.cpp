@@ -196,7 +196,7 @@ Expected<void> requireReadable(const PackedValues& packed) {
   if (PackedBytes(packed).isReadable()) return {};
   return fail({.code = Error::Code::kUnreadable,
                .file = packed.file.string(),
-               .found = "it can not be opened",
+               .found = "it cannot be opened",
                .expected = "a readable file"});
 }
 

@@ -244,7 +244,7 @@ Expected<void> requireWholeStrips(const fs::path& path, const Progress& progress
   if (failed || !in)
     return fail({.code = Error::Code::kUnreadable,
                  .file = path.string(),
-                 .found = "it can not be opened",
+                 .found = "it cannot be opened",
                  .expected = "a readable file"});
 
   TiffWalk walk(path, in, bytes);

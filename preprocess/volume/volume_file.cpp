@@ -46,7 +46,7 @@ Expected<const ItkReader*> findReader() {
 
     // Never closed: ITK's registrations at load keep references to it.
     void* library = dlopen(place.c_str(), RTLD_NOW | RTLD_LOCAL);
-    if (!library) return unusable(place.string(), std::string("it can not be loaded: ") + dlerror());
+    if (!library) return unusable(place.string(), std::string("it cannot be loaded: ") + dlerror());
     const auto entry = reinterpret_cast<decltype(&kerfItkReader)>(dlsym(library, "kerfItkReader"));
     if (!entry) return unusable(place.string(), "another library");
     const ItkReader* reader = entry();

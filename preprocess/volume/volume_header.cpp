@@ -111,7 +111,7 @@ Expected<void> requireShortWords(const fs::path& path, int line, const std::stri
 // Lines `key SEPARATOR value` up to an empty line (NRRD) or through the line with the key `last` (MetaImage).
 Expected<TextHeader> readTextHeader(const fs::path& path, char separator, const std::string& last) {
   std::ifstream in(path, std::ios::binary);
-  if (!in) return unreadable(path, "it can not be opened");
+  if (!in) return unreadable(path, "it cannot be opened");
   TextHeader h;
   int number = 0;
   for (std::string line; std::getline(in, line);) {
@@ -387,7 +387,7 @@ struct NiftiHeader {
 Expected<NiftiHeader> readNiftiHeader(const fs::path& path) {
   NiftiHeader header;
   gzFile in = gzopen(path.c_str(), "rb");
-  if (!in) return unreadable(path, "it can not be opened");
+  if (!in) return unreadable(path, "it cannot be opened");
   const int got = gzread(in, header.bytes.data(), static_cast<unsigned>(header.bytes.size()));
   header.is_compressed = gzdirect(in) == 0;
   gzclose(in);

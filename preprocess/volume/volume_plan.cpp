@@ -165,7 +165,7 @@ Expected<VolumePlan> planFolder(const fs::path& folder, const LabelReadOptions& 
                        options.max_bytes))
     return fail({.code = Error::Code::kBadFormat,
                  .file = folder.string(),
-                 .found = "a slice that the library reading it can not bear",
+                 .found = "a slice that crashes the reader library",
                  .expected = "a folder of sound slices",
                  .hint = "export the series again, and leave other files out of the folder"});
   if (are_pictures) return planPictures(folder, std::move(pictures), *kinds.begin());

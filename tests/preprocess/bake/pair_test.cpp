@@ -120,15 +120,14 @@ TEST(Pair, JawsThatCanNotBeInOneFrameAreWarnedOf) {
     const TemporaryFolder folder;
     const auto askew = bakeArches(folder, arch(), turned(arch(), std::numbers::pi - 0.7, {0, 0, 30}));
     ASSERT_TRUE(askew) << askew.error().message();
-    EXPECT_TRUE(said((*askew)[0], "WARNING: the occlusal planes found disagree by 40 degrees"))
-        << describe((*askew)[0]);
+    EXPECT_TRUE(said((*askew)[0], "WARNING: the occlusal planes differ by 40 degrees")) << describe((*askew)[0]);
     EXPECT_NEAR(*(*askew)[1].pair_check->planes_disagree_deg, 40, 1);
   }
   {
     const TemporaryFolder folder;
     const auto apart = bakeArches(folder, arch(), turned(arch(), std::numbers::pi, {0, 0, 60}));
     ASSERT_TRUE(apart) << apart.error().message();
-    EXPECT_TRUE(said((*apart)[0], "WARNING: the jaws lie 40 mm apart")) << describe((*apart)[0]);
+    EXPECT_TRUE(said((*apart)[0], "WARNING: the jaws are 40 mm apart")) << describe((*apart)[0]);
   }
   {
     const TemporaryFolder folder;

@@ -67,7 +67,7 @@ TEST(CloseScan, SocketsThatAreRoofedOverAreAWarning) {
   EXPECT_GT(s->report.widest_span_mm, 9);
   EXPECT_GE(s->report.wide_spans.size(), 7u) << "one for about each socket";
   ASSERT_EQ(s->report.warnings.size(), 1u);
-  EXPECT_NE(s->report.warnings[0].find("roofed over"), std::string::npos) << s->report.warnings[0];
+  EXPECT_NE(s->report.warnings[0].find("tooth sockets"), std::string::npos) << s->report.warnings[0];
 }
 
 // A loose piece around one tooth runs through the arch.

@@ -58,7 +58,7 @@ TEST(Guard, AVolumeThatGrewOrWentIsSaidAloud) {
   for (const double height : {2.3, 7.4, 0.9}) {
     const auto said = guardWarnings(mesh, box({0, 0, 0}, {4, 3, height}), exactReport());
     ASSERT_EQ(said.size(), 1u) << height;
-    EXPECT_NE(said[0].find("NOT WHAT WAS SCANNED"), std::string::npos) << said[0];
+    EXPECT_NE(said[0].find("DIFFERS FROM THE SCAN"), std::string::npos) << said[0];
     EXPECT_NE(said[0].find("try --close"), std::string::npos) << said[0];
   }
   // Without a few triangles, like a stair-stepped skull: almost closed.
@@ -84,7 +84,7 @@ TEST(Guard, AWrapThatFillsAHollowWarns) {
   ASSERT_TRUE(s) << s.error().message();
   ASSERT_GT(signedVolume(s->mesh), 1.5 * signedVolume(hollowBox()));
   EXPECT_TRUE(std::any_of(s->report.warnings.begin(), s->report.warnings.end(), [](const std::string& warning) {
-    return warning.find("NOT WHAT WAS SCANNED") != std::string::npos;
+    return warning.find("DIFFERS FROM THE SCAN") != std::string::npos;
   }));
 }
 
@@ -154,7 +154,7 @@ TEST(Guard, APieceThatWasSubtractedIsSaidAloud) {
       both(both(box({0, 0, 0}, {10, 10, 10}), box({10, 0, 0}, {20, 10, 10})), flipped(box({20, 0, 0}, {30, 10, 10})));
   CloseReport report = exactReport();
   EXPECT_TRUE(guardWarnings(row, box({0, 0, 0}, {30, 10, 10}), report).empty());
-  EXPECT_TRUE(saysLoudly(guardWarnings(row, box({0, 0, 0}, {20, 10, 10}), report), "NOT WHAT WAS SCANNED"));
+  EXPECT_TRUE(saysLoudly(guardWarnings(row, box({0, 0, 0}, {20, 10, 10}), report), "DIFFERS FROM THE SCAN"));
 
   // As much outwards as inwards: the sum over the triangles is zero.
   const Mesh two = both(box(0, 8), flipped(box({4, 0, 0}, {12, 8, 8})));
@@ -162,9 +162,9 @@ TEST(Guard, APieceThatWasSubtractedIsSaidAloud) {
   report.triangles_flipped = 12;
   EXPECT_TRUE(judgeSolid(two, box({0, 0, 0}, {12, 8, 8}), report, &chain).warnings.empty());
   const Mesh halves = both(box({0, 0, 0}, {4, 8, 8}), box({8, 0, 0}, {12, 8, 4}));
-  EXPECT_TRUE(saysLoudly(judgeSolid(two, halves, report, &chain).warnings, "NOT WHAT WAS SCANNED"));
+  EXPECT_TRUE(saysLoudly(judgeSolid(two, halves, report, &chain).warnings, "DIFFERS FROM THE SCAN"));
   report.triangles_flipped = 0;
-  EXPECT_TRUE(saysLoudly(guardWarnings(two, box({0, 0, 0}, {1, 8, 8}), report), "NOT WHAT WAS SCANNED"));
+  EXPECT_TRUE(saysLoudly(guardWarnings(two, box({0, 0, 0}, {1, 8, 8}), report), "DIFFERS FROM THE SCAN"));
 }
 
 TEST(Guard, MoreThanTwoLayersOfAScanLostIsRefusedUnlessInnerShellsAre) {
@@ -202,7 +202,7 @@ TEST(Guard, AWrapOfManyTimesTheVolumeIsRefusedAndCanBeAccepted) {
   EXPECT_GT(signedVolume(taken->mesh), 2 * signedVolume(comb));
   EXPECT_NEAR(taken->report.volume_closed_mm3, signedVolume(comb), 0.05 * signedVolume(comb));
   ASSERT_FALSE(taken->report.warnings.empty());
-  EXPECT_NE(taken->report.warnings[0].find("NOT WHAT WAS SCANNED"), std::string::npos) << taken->report.warnings[0];
+  EXPECT_NE(taken->report.warnings[0].find("DIFFERS FROM THE SCAN"), std::string::npos) << taken->report.warnings[0];
 }
 
 TEST(Guard, ManyHolesRightThroughAreSaidInCapitals) {
@@ -299,7 +299,7 @@ TEST(Guard, ASideThatGrewOrShrankIsNamedWithItsMillimetres) {
   const Chain closed_chain = chainOf(whole);
   const auto grown = judgeSolid(whole, box({0, 0, 0}, {20, 20, 14}), exactReport(), &closed_chain).warnings;
   ASSERT_EQ(grown.size(), 1u);
-  EXPECT_NE(grown[0].find("NOT WHAT WAS SCANNED"), std::string::npos) << grown[0];
+  EXPECT_NE(grown[0].find("DIFFERS FROM THE SCAN"), std::string::npos) << grown[0];
   EXPECT_NE(grown[0].find("it reaches 4 mm beyond the scan on the +z side"), std::string::npos) << grown[0];
 }
 

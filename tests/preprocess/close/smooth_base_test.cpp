@@ -191,7 +191,7 @@ TEST(SmoothBase, ASocketThatIsRoofedOverIsSaidWithItsSizeAndPlace) {
   ASSERT_EQ(s.report.bridged_at.size(), s.report.gaps_bridged);
   EXPECT_LT((s.report.bridged_at[0].middle.head<2>() - Eigen::Vector2d(4.5, 0)).norm(), 5);
   ASSERT_EQ(s.report.warnings.size(), 1u);
-  for (const char* said : {"mm2 of surface that nobody scanned", "roofed over", "--base-smoothing 0", "near ("})
+  for (const char* said : {"mm2 of added surface", "tooth sockets", "--base-smoothing 0", "near ("})
     EXPECT_NE(s.report.warnings[0].find(said), std::string::npos) << s.report.warnings[0];
 }
 

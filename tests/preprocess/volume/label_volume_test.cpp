@@ -99,7 +99,7 @@ TEST(LabelVolume, DicomSeriesWithAMissingSliceOrASecondSeriesIsRefused) {
   const TemporaryFolder folder;
   for (const double z : {0.0, 2.0, 4.0, 8.0})
     folder.write("z" + std::to_string(z) + ".dcm", dicomSlice(countingLabels().substr(0, 12), z));
-  expectRefusal(readLabelVolume(folder.path()), "a slice is missing or there twice");
+  expectRefusal(readLabelVolume(folder.path()), "a slice is missing or duplicate");
   folder.write("other.dcm", dicomSlice(countingLabels().substr(0, 12), 6, "9.9.9"));
   expectRefusal(readLabelVolume(folder.path()), "2 series");
 }
