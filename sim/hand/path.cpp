@@ -111,8 +111,8 @@ class PoseTable {
     if (before) {
       const double turn = before->T_object_tool.rotation.angularDistance(pose.T_object_tool.rotation);
       if (turn > kLargestTurn)
-        return bad(line, 4, fmt::format("a turn of {:.0f} degrees since the row before", turn / kRadian),
-                   "at most 120 degrees, so that the way round is clear");
+        return bad(line, 4, fmt::format("a turn of {:.0f} degrees since the previous row", turn / kRadian),
+                   "at most 120 degrees, so that the direction is clear");
     }
     return pose;
   }
@@ -230,7 +230,7 @@ class StrokeWriter {
     const Rigid3 start = pose_;
     const double radius = axis.cross(start.translation - about).norm();
     if (!turns && radius < 1e-9) {
-      stroke.reject(key, "the tip is on the axis", "a centre beside the tip");
+      stroke.reject(key, "the tip is on the axis", "a centre off the tip");
       return;
     }
 

@@ -38,7 +38,7 @@ std::string programName() {
 
 std::string hintFor(const char* limit, const char* value, bool is_privileged) {
   if (is_privileged)
-    return "a container or a control group forbids it: start it with the capability and a real-time budget";
+    return "a container or a control group forbids it: start the container with the capability and a real-time budget";
   return fmt::format(
       "add \"@USERS - {} {}\" for a group of yours to /etc/security/limits.d/kerf.conf and log in again, or: sudo "
       "setcap cap_sys_nice,cap_ipc_lock+ep {}",
@@ -54,7 +54,7 @@ void prefaultStack() noexcept {
 
 }  // namespace
 
-std::string RealTimeRefusal::message() const { return fmt::format("{} was refused ({}); {}", what, reason, hint); }
+std::string RealTimeRefusal::message() const { return fmt::format("{} denied ({}); {}", what, reason, hint); }
 
 std::string RealTimeGrant::summary() const {
   return fmt::format("{}, memory {}", priority > 0 ? fmt::format("SCHED_FIFO {}", priority) : "ordinary priority",
@@ -87,7 +87,7 @@ RealTimeGrant askForRealTime(const RealTimeRequest& request) {
       out.refusals.push_back(
           {"locking memory",
            fmt::format("{}; limit memlock: {}", std::strerror(error), limitOf(RLIMIT_MEMLOCK, " bytes")),
-           error == ENOMEM ? "close other programs: what the process has does not fit into memory"
+           error == ENOMEM ? "close other programs: the process does not fit into memory"
                            : hintFor("memlock", "unlimited", hasCapability(CAP_IPC_LOCK))});
   }
 

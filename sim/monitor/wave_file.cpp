@@ -55,7 +55,7 @@ Expected<void> WaveFile::close() {
                .file = path_.string(),
                .found = "could not be written",
                .expected = "space for the sound, at most 4 GB",
-               .hint = "free some space, or leave the sound out"});
+               .hint = "free some space, or omit the sound"});
 }
 
 }  // namespace kerf::internal

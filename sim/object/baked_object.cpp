@@ -91,7 +91,7 @@ Expected<void> BakedObject::laySlots() {
                  .place = "distance field",
                  .found = fmt::format("a box of {} x {} x {} bricks of {} mm", size[0], size[1], size[2], 8 * voxel()),
                  .expected = "at most 67 million bricks",
-                 .hint = "larger voxels, or pieces that lie nearer together"});
+                 .hint = "use larger voxels, or pieces closer together"});
 
   directory_ = BrickDirectory(low - Vec3i::Constant(air), size);
   slots_.reserve(stored.size() + interior.size());

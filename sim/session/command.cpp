@@ -49,34 +49,32 @@ static_assert(PieceOptions{}.crumb_mm3 == 0.1, "the row of pieces.split names th
 constexpr std::tuple kRows{
     row("tool.select", "Changes to another tool of the model.", kUser,
         Field{&SelectTool::tool, {"N", "", "number of the tool, from 0"}}),
-    row<Undo>("undo", "Takes back the last stroke, with what the tool cut while it ran down.", kUser),
-    row<Redo>("redo", "Does the stroke again that was taken back last; not during a stroke.", kUser),
-    row<ClearLatch>("latch.clear", "Lets the force fade in again after a fault of the device.", kUser | kSimulation),
-    row("add", "Lets the pedal put material on an object instead of cutting.", kUser,
+    row<Undo>("undo", "Undoes the last stroke, with the cuts made while the tool ran down.", kUser),
+    row<Redo>("redo", "Redoes the last undone stroke; not during a stroke.", kUser),
+    row<ClearLatch>("latch.clear", "Fades the force in again after a fault of the device.", kUser | kSimulation),
+    row("add", "Makes the pedal add material to an object instead of cutting.", kUser,
         Field{&AddMaterial::material, {"M", "", "number of the material, 1 to 255"}},
         Field{&AddMaterial::object, kObject}),
-    row<StopAdding>("add off", "Lets the pedal cut again.", kUser),
-    row("object.move", "Puts an object to another pose in the world; undone with the stroke before it.", kUser,
+    row<StopAdding>("add off", "Makes the pedal cut again.", kUser),
+    row("object.move", "Sets the pose of an object in the world; undone with the stroke before it.", kUser,
         Field{&MoveObject::object, kObject},
         Field{&MoveObject::translation, {"x y z", "mm", "translation of T_world_object, shorter than 1e5"}},
         Field{&MoveObject::rotation, {"qw qx qy qz", "", "rotation of T_world_object, a unit quaternion"}}),
     row("object.hold",
-        "Freezes an object: it is felt, but neither cut nor filled, and nothing is moved or taken back until that "
-        "ends.",
+        "Freezes an object: the tool feels it, but cannot cut or fill it. Until the freeze ends, no move and no undo.",
         kSimulation, Field{&FreezeObject::object, kObject}),
     row("object.release", "Ends the freeze of an object.", kSimulation, Field{&UnfreezeObject::object, kObject}),
     row("pieces.split",
-        "Makes every piece of an object an object of its own: the largest keeps the number, the others come last, by "
-        "size; a freeze ends.",
+        "Makes every piece of an object a separate object: the largest keeps the number, the others follow by size; "
+        "ends a freeze.",
         kSimulation, Field{&SplitObject::object, kObject},
         Field{&SplitObject::crumb_mm3,
               {"V", "mm^3",
-               "smaller pieces are crumbs, which are dropped and counted, and removed if there is but one piece; 0.1 "
-               "if left out",
+               "smaller pieces are crumbs: dropped and counted, or removed if there is only one piece; default 0.1",
                true}}),
     row("tool.place",
-        "Puts the tool to another pose in the world at once, at rest, its drive as fast as it is; ends a stroke.",
-        kUser, Field{&PlaceTool::translation, {"x y z", "mm", "translation of T_world_tool, shorter than 1e5"}},
+        "Sets the pose of the tool in the world at once, at rest, with unchanged drive speed; ends a stroke.", kUser,
+        Field{&PlaceTool::translation, {"x y z", "mm", "translation of T_world_tool, shorter than 1e5"}},
         Field{&PlaceTool::rotation, {"qw qx qy qz", "", "rotation of T_world_tool, a unit quaternion"}}),
 };
 
@@ -274,13 +272,12 @@ Expected<Command> parseCommand(std::string_view text) {
 std::string commandReference() {
   std::string out =
       "# Session commands\n\n"
-      "What a session can be asked to do between two ticks, as the session log holds it and scripts write it\n"
-      "([file formats](file-formats.md)). Words are parted by spaces; decimal numbers have a point; what stands in\n"
-      "brackets may be left out.\n\n"
-      "A command takes effect before the sample of its tick. It is refused, and not recorded, when there is nothing "
-      "to\n"
-      "do it to: no such tool or object, no stroke to take back, an object that is frozen.\n\n"
-      "| command | what it does | parameters | sent by |\n"
+      "Commands that a session accepts between two ticks. The session log stores them, and scripts use the same\n"
+      "words ([file formats](file-formats.md)). Spaces separate words; decimal numbers have a point; brackets mark\n"
+      "optional parameters.\n\n"
+      "A command takes effect before the sample of its tick. The session rejects it, and does not record it, without\n"
+      "a target: no such tool or object, no stroke to undo, a frozen object.\n\n"
+      "| command | effect | parameters | sent by |\n"
       "|---|---|---|---|\n";
   for (const CommandRow& row : kTable)
     out += fmt::format("| `{}` | {} | {} | {} |\n", row.usage(), row.description, parameterList(row), senderNames(row));

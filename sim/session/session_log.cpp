@@ -44,7 +44,7 @@ class Parser {
   }
   tl::unexpected<Error> badHeader(std::size_t at, std::string found) const {
     return refuse(Error::Code::kBadFormat, at, std::move(found), "the whole header of a session log",
-                  "nothing can be replayed without it; take a copy of the log, if there is one");
+                  "no replay is possible without it; use a copy of the log, if there is one");
   }
   Expected<void> stop(LogDamage::Kind kind, std::string what) {
     log_.damage = LogDamage{kind, at_, left(), std::move(what)};
@@ -62,7 +62,7 @@ class Parser {
   Expected<void> header() {
     KERF_TRY(length, fileHead());
     const std::size_t end = kFileHead + length;
-    if (!agrees(bytes_.first(end), end)) return badHeader(end, "a checksum that does not fit");
+    if (!agrees(bytes_.first(end), end)) return badHeader(end, "a wrong checksum");
 
     for (at_ = kFileHead; at_ < end;) {
       KERF_TRY(key, headerText(end));
@@ -108,13 +108,13 @@ class Parser {
     if (log_.is_closed) return damaged("bytes after the end of the session");
 
     // Head: kind, length, tick.
-    if (left() < kRecordHead) return stop(LogDamage::Kind::kCutShort, "the head of a record is not complete");
+    if (left() < kRecordHead) return stop(LogDamage::Kind::kCutShort, "the head of a record is incomplete");
     ByteUnpacker head(bytes_.data() + at_);
     const std::uint32_t kind = head.u32();
     const std::uint32_t length = head.u32();
     const std::uint64_t tick = head.u64();
     if (!agrees(bytes_.subspan(at_, kRecordHead - kChecksum), at_ + kRecordHead - kChecksum))
-      return damaged("the checksum of a record's head does not fit");
+      return damaged("the checksum of a record's head is wrong");
 
     // Payload.
     const std::size_t begin = at_ + kRecordHead;
@@ -123,7 +123,7 @@ class Parser {
                   fmt::format("{} bytes of a record of {} are missing", begin + length + kChecksum - bytes_.size(),
                               kRecordHead + length + kChecksum));
     const auto payload = bytes_.subspan(begin, length);
-    if (!agrees(payload, begin + length)) return damaged("the checksum of a record does not fit");
+    if (!agrees(payload, begin + length)) return damaged("the checksum of a record is wrong");
 
     // The record is intact: errors from here on were written so, they are no damage.
     if (!take(kind, tick, payload)) {
@@ -132,14 +132,14 @@ class Parser {
                       fmt::format("more than {} samples in a file of {} bytes", mostSamples(), bytes_.size()),
                       fmt::format("{} MiB of samples at most, and {} bytes more for each byte of the file",
                                   kSampleMemory >> 20, kSampleMemoryPerByte),
-                      "Kerf's recorder packs no session so tightly: do not trust where this log comes from");
+                      "Kerf's recorder packs no session so tightly: do not trust this log");
       if (kind > lastKind() && (kind & kMaySkip) == 0)
         return refuse(Error::Code::kUnsupported, at_, fmt::format("a record of kind {}", kind),
                       fmt::format("kinds 1 to {}, or one that may be skipped", lastKind()),
                       "read it with the newer Kerf that recorded it");
       return refuse(Error::Code::kBadFormat, at_,
-                    fmt::format("a record of kind {}, tick {}, with {} bytes that make no sense", kind, tick, length),
-                    "a record as docs/reference/file-formats.md has it", "this log was not written by Kerf as it is");
+                    fmt::format("a record of kind {}, tick {}, with {} invalid bytes", kind, tick, length),
+                    "a record as in docs/reference/file-formats.md", "Kerf did not write this log");
     }
     at_ = begin + length + kChecksum;
     return {};
@@ -267,7 +267,7 @@ Expected<SessionLog> readSessionLog(const std::filesystem::path& path) {
     if (in.bad()) return refuse(Error::Code::kUnreadable, std::string("cannot be read: ") + std::strerror(errno));
     return parseSessionLog(std::span(bytes).first(static_cast<std::size_t>(in.gcount())), path.string());
   } catch (const std::bad_alloc&) {
-    return refuse(Error::Code::kUnreadable, fmt::format("{} bytes and what is in them do not fit into memory", size));
+    return refuse(Error::Code::kUnreadable, fmt::format("{} bytes and their contents do not fit into memory", size));
   }
 }
 

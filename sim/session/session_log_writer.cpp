@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 Error writeError(const std::string& file, const char* step, int reason) {
   std::string hint = "check the path and its permissions";
   if (reason == ENOSPC || reason == EDQUOT || reason == EFBIG)
-    hint = "free some space; what was recorded before is in the log";
+    hint = "free some space; the log holds everything up to here";
   if (reason == ENOENT) hint = "make the folder first";
   if (reason == EEXIST) hint = "choose another name; a log is never overwritten";
   return {.code = Error::Code::kWriteFailed,

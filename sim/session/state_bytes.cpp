@@ -384,11 +384,11 @@ Expected<State> unpackState(std::span<const std::byte> bytes, const LoadedObject
   out.objects.reserve(kMostObjects);
   for (std::uint32_t n = 0; n < count; ++n) {
     std::optional<CutObject> object = unpackObject(from, loaded, out.turns[n]);
-    if (!object) return refuse(fmt::format("object {} is not one of those loaded, or was cut short", n));
+    if (!object) return refuse(fmt::format("object {} is not loaded, or is cut short", n));
     out.objects.push_back(std::move(*object));
   }
   if (const auto n = firstThatClashes(out))
-    return refuse(fmt::format("object {} has the id of another, or is frozen beside another", *n));
+    return refuse(fmt::format("object {} has the id of another object, or is frozen together with another", *n));
   if (!from.isAtEnd()) return refuse(fmt::format("{} bytes too many", bytes.size() - from.at()));
   return out;
 }

@@ -16,7 +16,7 @@ Expected<TissueTable> tissueTable(const MaterialTable& materials, Material fallb
                    .found = fmt::format("contact_stiffness {} N/mm3, specific_cutting_energy {} J/mm3",
                                         row.contact_stiffness.value, row.specific_cutting_energy.value),
                    .expected = "both above 0",
-                   .hint = "mend materials.toml"});
+                   .hint = "correct materials.toml"});
     out[static_cast<std::size_t>(number)] = {static_cast<float>(row.contact_stiffness.value),
                                              static_cast<float>(row.friction.value), static_cast<float>(1 / energy),
                                              true};
@@ -28,7 +28,7 @@ Expected<TissueTable> tissueTable(const MaterialTable& materials, Material fallb
                  .place = fmt::format("material {}", static_cast<int>(fallback)),
                  .found = "not in the table of materials",
                  .expected = "one of " + materials.ids(),
-                 .hint = "mend materials.toml"});
+                 .hint = "correct materials.toml"});
   for (Tissue& tissue : out)
     if (!tissue.is_in_table) tissue = {rest.stiffness, rest.friction, rest.inverse_energy, false};
   return out;

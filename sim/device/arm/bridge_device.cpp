@@ -206,7 +206,7 @@ ArmCounts BridgeDevice::counts() const {
   if (out.newest_came_ns == 0)
     out.trouble = fmt::format("no bridge sends to port {} yet: start it", state_->port);
   else if (!out.is_talking)
-    out.trouble = "the bridge has fallen silent: start it again";
+    out.trouble = "no data from the bridge: start it again";
   return out;
 }
 

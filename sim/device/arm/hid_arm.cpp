@@ -127,11 +127,11 @@ ArmCounts HidArm::counts() const {
   const std::lock_guard lock(state_->thread.mutex);
   out.is_talking = out.is_talking && !state_->is_unplugged;
   if (state_->is_unplugged)
-    out.trouble = "it was unplugged: plug it in";
+    out.trouble = "unplugged: plug it in";
   else if (state_->is_stuck)
-    out.trouble = "it takes no report: plug it out and in";
+    out.trouble = "it accepts no report: unplug it and plug it in again";
   else if (!out.is_talking)
-    out.trouble = "it says nothing: switch it on; another program may have taken it";
+    out.trouble = "no data: switch it on; another program may be using it";
   return out;
 }
 

@@ -56,12 +56,13 @@ Expected<FoundDevice> chooseDevice(const std::vector<FoundDevice>& devices, cons
 
   const std::string what = name.empty() ? "" : " called \"" + name + "\"";
   if (meant.empty())
-    return fail({.code = Error::Code::kNotFound,
-                 .place = "devices",
-                 .found = "none" + what + (devices.empty() ? "" : ", but " + listOf(devices)),
-                 .expected = "a device that a driver knows",
-                 .hint = "plug it in, and see kerf devices; other arms need a bridge: "
-                         "docs/reference/device-bridge.md"});
+    return fail(
+        {.code = Error::Code::kNotFound,
+         .place = "devices",
+         .found = "none" + what + (devices.empty() ? "" : ", but " + listOf(devices)),
+         .expected = "a supported device",
+         .hint =
+             "plug it in, and list it with kerf devices; other arms need a bridge: docs/reference/device-bridge.md"});
   return fail({.code = Error::Code::kBadValue,
                .place = "devices",
                .found = fmt::format("{}{}: {}", meant.size(), what, listOf(meant)),

@@ -114,10 +114,10 @@ Expected<HidPort> HidPort::open(const std::string& path) {
   if (is_there && ::access(path.c_str(), R_OK | W_OK) != 0)
     return fail({.code = Error::Code::kUnreadable,
                  .file = path,
-                 .found = "a device that this user may not open",
+                 .found = "no permission to open the device",
                  .expected = "permission to read and write it",
-                 .hint = "run scripts/setup --udev, which installs the udev rule 70-kerf-hid.rules; then plug the "
-                         "device out and in"});
+                 .hint = "run scripts/setup --udev, which installs the udev rule 70-kerf-hid.rules; then unplug the "
+                         "device and plug it in again"});
 
   auto handle = std::make_unique<Handle>();
   const std::lock_guard one(finding);
@@ -130,7 +130,7 @@ Expected<HidPort> HidPort::open(const std::string& path) {
                .file = path,
                .found = fmt::format("no device that opens ({})", reason ? std::strerror(reason) : "no reason given"),
                .expected = "a HID device",
-               .hint = "kerf devices lists what is plugged in"});
+               .hint = "list the connected devices with kerf devices"});
 }
 
 int HidPort::read(std::span<std::uint8_t> report, int wait_ms) noexcept {

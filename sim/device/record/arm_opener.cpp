@@ -45,11 +45,12 @@ Expected<OpenedArm> openArm(const std::string& name, const ArmSettings& settings
     return OpenedArm{std::move(arm), language};
   }
   if (name.empty())
-    return fail({.code = Error::Code::kBadValue,
-                 .place = "force-feedback device",
-                 .found = "no name",
-                 .expected = kArmNames,
-                 .hint = "kerf devices lists what is plugged in; docs/reference/device-bridge.md is for all others"});
+    return fail(
+        {.code = Error::Code::kBadValue,
+         .place = "force-feedback device",
+         .found = "no name",
+         .expected = kArmNames,
+         .hint = "list the connected devices with kerf devices; for all others see docs/reference/device-bridge.md"});
   std::vector<FoundDevice> arms = findDevices();
   std::erase_if(arms, [](const FoundDevice& found) { return !found.isArm(); });
   KERF_TRY(found, chooseDevice(arms, name));

@@ -69,7 +69,7 @@ Expected<void> parseHead(Lines& lines, DeviceRecording& out) {
   int version = 0;
   if (!parseAll(lines.line(), version) || version < 1) return lines.refuse(quoted(lines.line()), "version 1");
   if (version != 1)
-    return lines.refuse(fmt::format("version {}", version), "version 1, all this Kerf knows",
+    return lines.refuse(fmt::format("version {}", version), "version 1, the only one this Kerf reads",
                         Error::Code::kUnsupported);
 
   if (!lines.next() || lines.word() != "driver") return lines.refuse("something else", "\"driver NAME\"");
@@ -77,7 +77,7 @@ Expected<void> parseHead(Lines& lines, DeviceRecording& out) {
   if (driver && driver->axes) out.driver = driver;
   if (findTakeHand(lines.line())) out.arm = std::string(lines.line());
   if (!out.driver && out.arm.empty())
-    return lines.refuse("the driver " + quoted(lines.line()), "one of this Kerf", Error::Code::kUnsupported);
+    return lines.refuse("the driver " + quoted(lines.line()), "a driver of this Kerf", Error::Code::kUnsupported);
 
   if (!lines.next() || lines.word() != "device")
     return lines.refuse("something else", "\"device VENDOR:PRODUCT NAME\"");
@@ -108,7 +108,7 @@ Expected<RecordedReport> parseReport(Lines& lines, std::int64_t not_before) {
   if (!parseAll(time, out.time_us) || out.time_us < 0 || out.time_us > DeviceRecording::kLongestUs)
     return lines.refuse(quoted(time), "us since the first report, whole, of a year at most");
   if (out.time_us < not_before)
-    return lines.refuse(fmt::format("{} us after {} us", out.time_us, not_before), "times that never go back");
+    return lines.refuse(fmt::format("{} us after {} us", out.time_us, not_before), "times that do not decrease");
   KERF_CHECK(parseBytes(lines, out.interface, out.bytes));
   return out;
 }

@@ -68,10 +68,10 @@ Expected<std::unique_ptr<ReplayArm>> ReplayArm::open(const std::string& file, co
                  .place = "recording",
                  .found = std::move(found),
                  .expected = "hands of a force-feedback arm",
-                 .hint = "kerf devices --replay prints what is in it"});
+                 .hint = "print the recording with kerf devices --replay"});
   };
   if (recording.arm.empty())
-    return refuse(Error::Code::kUnsupported, "one of " + recording.device + ", which is no arm");
+    return refuse(Error::Code::kUnsupported, "one of " + recording.device + ", not a force-feedback arm");
 
   auto state = std::make_unique<State>();
   state->file = file;
@@ -92,7 +92,7 @@ bool ReplayArm::isOver() const { return state_->is_over.load(std::memory_order_a
 
 ArmCounts ReplayArm::counts() const {
   ArmCounts out = state_->thread.told();
-  if (isOver()) out.trouble = "the recording is over: open it anew";
+  if (isOver()) out.trouble = "the recording is over: open it again";
   return out;
 }
 

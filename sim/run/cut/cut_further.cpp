@@ -122,7 +122,7 @@ Expected<RunManifest> cutFurther(const fs::path& run, const fs::path& tool_file,
   if (!swept.is_case_cut)
     return fail({.code = Error::Code::kEmpty,
                  .file = path_file.string(),
-                 .found = fmt::format("tool {} meets nothing that is left of the object", scene.inputs.tool.id),
+                 .found = fmt::format("tool {} does not touch the remaining object", scene.inputs.tool.id),
                  .expected = throughBodies(bodies, scene.inputs.manifests.front().box),
                  .hint = "check the path's frame and unit"});
 

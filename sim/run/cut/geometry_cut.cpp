@@ -229,7 +229,7 @@ std::vector<RunManifest::EarlierCut> cutsOf(const RunManifest& run) {
 }
 
 Expected<Pass> readPass(const fs::path& run_folder, const RunManifest::EarlierCut& cut) {
-  const char* const advice = "a run is never edited: take it from a copy";
+  const char* const advice = "runs must not be edited: restore it from a copy";
   KERF_CHECK(requireSha256(run_folder / cut.tool_file, cut.tool_sha256, advice));
   KERF_CHECK(requireSha256(run_folder / cut.path_file, cut.path_sha256, advice));
   KERF_TRY(tool, readTool(run_folder / cut.tool_file));
@@ -263,8 +263,8 @@ struct Begin {
 };
 Expected<Begin> beginWithRun(const fs::path& run, const RunManifest& manifest) {
   Begin out;
-  KERF_CHECK(
-      requireSha256(run / internal::kRunField, manifest.field_sha256, "a run is never edited: take it from a copy"));
+  KERF_CHECK(requireSha256(run / internal::kRunField, manifest.field_sha256,
+                           "runs must not be edited: restore it from a copy"));
   out.voxel_mm = manifest.voxel_mm;
   out.state_hash = manifest.state_hash;
   KERF_TRY(case_folder, caseOfRun(run));
@@ -288,7 +288,7 @@ Expected<void> requireSameBefore(const Begin& begin, const Swept& swept) {
                .place = "key state_hash",
                .found = begin.state_hash,
                .expected = again + ", as its tools and paths give when they are swept again",
-               .hint = "it was edited, or cut by another version of Kerf: cut its paths again, from the case"});
+               .hint = "it was edited, or is from another version of Kerf: cut its paths again from the case"});
 }
 
 Expected<RunManifest> cutFrom(Begin begin, const fs::path& tool_file, const fs::path& path_file,
@@ -312,8 +312,8 @@ Expected<RunManifest> cutFrom(Begin begin, const fs::path& tool_file, const fs::
   if (!is_cut)
     return fail({.code = Error::Code::kEmpty,
                  .file = path_file.string(),
-                 .found = begin.cuts.empty() ? fmt::format("tool {} never meets the object", tool.id)
-                                             : fmt::format("tool {} meets nothing that is left of the object", tool.id),
+                 .found = begin.cuts.empty() ? fmt::format("tool {} does not touch the object", tool.id)
+                                             : fmt::format("tool {} does not touch the remaining object", tool.id),
                  .expected = internal::throughBox(in_case.box),
                  .hint = "check the path's frame and unit"});
 

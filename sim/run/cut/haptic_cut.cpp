@@ -184,8 +184,8 @@ Expected<std::vector<BrickField>> changedFields(const Session& session, const Cu
     return fail({.code = Error::Code::kEmpty,
                  .file = scene.inputs.path_file.string(),
                  .found = nothing,
-                 .expected = "a tool that cuts the way it turns",
-                 .hint = "leave --reverse out: turned backwards this tool only rubs"});
+                 .expected = "a tool that cuts in this direction",
+                 .hint = "omit --reverse: in reverse this tool only rubs"});
   if (simulated.is_out_of_time)
     return fail({.code = Error::Code::kEmpty,
                  .file = scene.inputs.path_file.string(),
@@ -196,7 +196,7 @@ Expected<std::vector<BrickField>> changedFields(const Session& session, const Cu
     return fail({.code = Error::Code::kEmpty,
                  .file = scene.inputs.path_file.string(),
                  .found = fmt::format("{}: {}", nothing, simulated.ended),
-                 .expected = "a hand that gets on",
+                 .expected = "a hand that makes progress",
                  .hint = "a faster --spindle, another --drive, more --push, or more --patience"});
   return fail({.code = Error::Code::kEmpty,
                .file = scene.inputs.path_file.string(),
@@ -204,8 +204,8 @@ Expected<std::vector<BrickField>> changedFields(const Session& session, const Cu
                .expected = internal::throughBodies(bodies, scene.inputs.manifests.front().box),
                .hint = options.step.response == Response::kPenalty || !isPointed(scene.inputs.tool)
                            ? "check the path's frame and unit, the spindle and the force"
-                           : "leave --response out: by this one a thin point goes through uncut. Or check the path's "
-                             "frame and unit, the spindle and the force"});
+                           : "omit --response: with this one a thin point passes through without cutting. Or check the "
+                             "path's frame and unit, the spindle and the force"});
 }
 
 // Planned volume of a body: the cutting part swept along the path, without resistance.
@@ -359,9 +359,9 @@ Expected<void> takeHandpiece(Tool& tool, const std::string& name) {
                  .hint = "kerf tool info " + tool.id});
   };
   if (!handpiece) return refuse(fmt::format("one of {}", handpieceNames()));
-  if (motionOf(tool) != ToolMotion::kSpin) return refuse("a tool that turns: a saw is driven as its file says");
+  if (motionOf(tool) != ToolMotion::kSpin) return refuse("a rotating tool: the file of a saw sets its drive");
   if (handpiece->is_fast && !isFrictionGrip(tool))
-    return refuse("a bur with a friction-grip shank: others are not made for that speed");
+    return refuse("a bur with a friction-grip shank: other shanks are not made for that speed");
   tool.drive.handpiece = handpiece;
   tool.drive.frequency_hz.reset();
   tool.drive.stall_load.reset();
@@ -373,9 +373,9 @@ Expected<void> checkReverse(const Tool& tool, bool is_reversed) {
   if (!is_reversed || turnsBackwards(driveOf(tool).form)) return {};
   return fail({.code = Error::Code::kBadValue,
                .place = "--reverse",
-               .found = fmt::format("{}, whose drive goes one way: {}", tool.id, describeDrive(tool)),
-               .expected = "a tool that a motor turns",
-               .hint = isFrictionGrip(tool) ? "--drive electric" : "leave --reverse out"});
+               .found = fmt::format("{}, whose drive has no reverse: {}", tool.id, describeDrive(tool)),
+               .expected = "a tool with a motor",
+               .hint = isFrictionGrip(tool) ? "--drive electric" : "omit --reverse"});
 }
 
 }  // namespace
@@ -390,7 +390,7 @@ Expected<void> checkOptions(const HapticCutOptions& o) {
       {"--push", o.force.force, 0.01, o.step.coupling.force_limit, "N"},
       {"--feed-limit", o.force.feed_limit, 0.01, 1000, "mm/s"},
       {"--spindle", o.spindle, 0, 1, "of nominal"},
-      {"--irrigation", o.irrigation, 0, 1, "of the full spray"},
+      {"--irrigation", o.irrigation, 0, 1, "of full irrigation"},
       {"--coupling", o.step.coupling.stiffness, 0.01, 100, "N/mm"},
       {"coupling damping", o.step.coupling.damping, 0, 1, "N s/mm"},
       {"--device-mass", o.device.mass_kg, 0.001, 10, "kg"},
@@ -404,7 +404,7 @@ Expected<void> checkOptions(const HapticCutOptions& o) {
       {"coupling mass", o.step.coupling.mass_kg, 0.0001, 10, "kg"},
       {"coupling filter", o.step.coupling.filter_hz, 0.1, 1000, "Hz"},
       {"ramp", o.step.ramp_s, 0, 60, "s"},
-      {"contact evaluations a tick", static_cast<double>(o.step.most_substeps), 1, 1000, ""},
+      {"contact evaluations per tick", static_cast<double>(o.step.most_substeps), 1, 1000, ""},
       {"--time-limit", o.time_limit, 0.001, 86400, "s"},
   };
   for (const Range& r : ranges)
@@ -417,8 +417,8 @@ Expected<void> checkOptions(const HapticCutOptions& o) {
   if (o.hand == HandKind::kFeed && !rowOf(o.step.response).fits(Rendering::kRigid))
     return fail({.code = Error::Code::kBadValue,
                  .place = "--response",
-                 .found = "not penalty, with a hand that follows its path",
-                 .expected = "penalty: a tool that is where its path says cannot be held back",
+                 .found = "another response, with a hand that follows its path",
+                 .expected = "penalty: a tool that follows its path exactly cannot be held back",
                  .hint = "hand force or device"});
   return {};
 }

@@ -104,7 +104,7 @@ Expected<CutCase> loadCut(const fs::path& run_folder, const RunManifest& manifes
   KERF_TRY(phi0, readCaseField(case_folder));
   const bool is_geometry = manifest.hasSweep();
   KERF_TRY(cut, is_geometry ? readRunSweep(run_folder) : readRunCutField(run_folder, beside));
-  const char* const advice = "cut again; a run is never edited";
+  const char* const advice = "cut again; runs must not be edited";
   // For a session: the tools that were in hand.
   for (const RunManifest::ToolFile& tool : manifest.tools)
     if ((", " + manifest.tool_id + ", ").find(", " + tool.id + ", ") != std::string::npos)
@@ -171,9 +171,9 @@ Expected<Export> exportRun(const fs::path& folder, const PostOpOptions& options,
 
   // The mesh is made and verified: a failed measurement does not discard it.
   if (manifest.mode == kModeGeometry && !is_geometry)
-    out.accuracy_missing = "goes on from a run cut against resistance, of which there is no exact sweep";
+    out.accuracy_missing = "continues a run cut against resistance, which has no exact sweep";
   else if (!is_geometry)
-    out.accuracy_missing = "cut against resistance: the tool went where force let it, there is no exact sweep";
+    out.accuracy_missing = "cut against resistance: there is no exact sweep";
   else if (const auto accuracy = measureWalls(folder, manifest, out.post_op, progress))
     out.accuracy = *accuracy;
   else if (accuracy.error().code == Error::Code::kCancelled)

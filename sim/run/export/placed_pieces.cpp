@@ -28,7 +28,7 @@ constexpr std::uint32_t kNobody = std::numeric_limits<std::uint32_t>::max();
 tl::unexpected<Error> hangTogether(const RunManifest::Piece& a, const RunManifest::Piece& b) {
   return fail({.code = Error::Code::kGeometry,
                .place = "pieces",
-               .found = fmt::format("\"{}\" and \"{}\" hang together by less than a voxel", a.name, b.name),
+               .found = fmt::format("\"{}\" and \"{}\" are connected by less than a voxel", a.name, b.name),
                .expected = "pieces that are apart",
                .hint = "cut through between them once more, or put both back"});
 }
@@ -144,9 +144,9 @@ Expected<Mesh> moved(const Mesh& mesh, const RunManifest::Piece& piece) {
   }
   return fail({.code = Error::Code::kGeometry,
                .place = fmt::format("piece \"{}\"", piece.name),
-               .found = "its surface crosses itself where it was moved to, rounded to single precision",
+               .found = "its surface crosses itself at its new position, rounded to single precision",
                .expected = "a surface that can be printed",
-               .hint = "turn it by a tenth of a degree more, or put it back"});
+               .hint = "turn it by another 0.1 degrees, or put it back"});
 }
 
 // Adds its triangles to the piece, under their names.
@@ -266,12 +266,11 @@ Expected<void> requireNoSource(const std::filesystem::path& file, const CaseMani
   if (!hash) return {};  // an unreadable file is not the source
   for (const CaseSource& source : manifest.sources)
     if (source.sha256 == *hash)
-      return fail(
-          {.code = Error::Code::kBadValue,
-           .file = file.string(),
-           .found = "a file that the case was made of, or a copy of it, such as an export in which nothing was cut",
-           .expected = "another name: a scan is never written over",
-           .hint = "another name or folder"});
+      return fail({.code = Error::Code::kBadValue,
+                   .file = file.string(),
+                   .found = "a source file of the case, or a copy of it, such as an export without cuts",
+                   .expected = "another name: Kerf never overwrites a scan",
+                   .hint = "another name or folder"});
   return {};
 }
 

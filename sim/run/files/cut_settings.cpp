@@ -121,9 +121,9 @@ std::string describe(const CutSettings& s) {
                        static_cast<double>(s.device->delay_ticks));
   out += "; " + s.drive;
   if (s.spindle < 1) out += fmt::format(", at {:.0f} % of it", 100 * s.spindle);
-  if (s.is_reversed) out += ", backwards";
-  out += s.irrigation >= 1  ? "; full spray"
-         : s.irrigation > 0 ? fmt::format("; {:.0f} % of the spray", 100 * s.irrigation)
+  if (s.is_reversed) out += ", reversed";
+  out += s.irrigation >= 1  ? "; full irrigation"
+         : s.irrigation > 0 ? fmt::format("; {:.0f} % irrigation", 100 * s.irrigation)
                             : "; dry";
   out += "; response " + s.response;
   if (!s.added.empty()) out += "; added " + s.added;

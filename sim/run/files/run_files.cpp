@@ -41,21 +41,21 @@ Expected<std::optional<fs::path>> findGivenCase(const fs::path& run_folder, cons
                .place = "--case",
                .found = found,
                .expected = "case " + id.substr(0, 12) + ", from which this run was cut",
-               .hint = "the case as it was when the run was cut: one that was baked anew is another"});
+               .hint = "the same case as when the run was cut; a rebaked case differs"});
 }
 
 // Adds the file of a run's grid to an error.
 Expected<void> ofRun(Expected<void> checked, const fs::path& file) {
   if (checked) return checked;
   checked.error().file = file.string();
-  checked.error().hint = "a run is never edited: take it from a copy, or cut again";
+  checked.error().hint = "runs must not be edited: restore it from a copy, or cut again";
   return checked;
 }
 
 Expected<void> requireField(const fs::path& run_folder, const RunManifest& manifest) {
   const bool has_log = manifest.mode == kModeSession;
   return requireSha256(run_folder / internal::kRunField, manifest.field_sha256,
-                       has_log ? "it can be rebuilt from the log: kerf recover " + run_folder.string() : "cut again");
+                       has_log ? "rebuild it from the log: kerf recover " + run_folder.string() : "cut again");
 }
 
 // Reads a grid of a run and checks that its numbers can be distances.
@@ -104,9 +104,9 @@ Expected<void> requireBeside(const fs::path& run_folder, const RunManifest& m, s
                .file = run_folder.string(),
                .place = neighbourId(beside),
                .found = "there is none",
-               .expected = has_none ? "a run cut with other cases beside it" : fmt::format("1 to {}", m.beside.size()),
-               .hint = has_none ? "kerf cut CASE --hand ... --beside OTHER.case, or open both in the window"
-                                : "kerf info tells them"});
+               .expected = has_none ? "a run with neighbours" : fmt::format("1 to {}", m.beside.size()),
+               .hint = has_none ? "use kerf cut CASE --hand ... --beside OTHER.case, or open both in the window"
+                                : "list them with kerf info"});
 }
 
 Expected<fs::path> locateCase(const fs::path& run_folder, const RunManifest& m, std::size_t beside) {
@@ -126,15 +126,15 @@ Expected<fs::path> locateCase(const fs::path& run_folder, const RunManifest& m, 
                  .file = run_folder.string(),
                  .place = keys + "key case_path",
                  .found = "no case at " + path,
-                 .expected = beside == 0 ? "the case this run was cut from" : "the case that stood beside it",
-                 .hint = "--case FOLDER says where it is now; or move it back, or cut again"});
+                 .expected = beside == 0 ? "the case this run was cut from" : "the case of the neighbour",
+                 .hint = "give its folder with --case FOLDER; or move it back, or cut again"});
 
   KERF_TRY(manifest, readCaseManifest(wanted));
   if (manifest.id != id)
     return fail({.code = Error::Code::kBadValue,
                  .file = run_folder.string(),
                  .place = keys + "key case_id",
-                 .found = "the case there was baked anew since this run was cut",
+                 .found = "the case was baked again after this run",
                  .expected = "case " + id.substr(0, 12),
                  .hint = "cut again"});
   return wanted;
@@ -200,15 +200,15 @@ Expected<MaterialBricks> readRunMaterials(const fs::path& run_folder) {
   return fail({.code = Error::Code::kBadValue,
                .file = file.string(),
                .place = std::string("grid ") + kMaterialGrid,
-               .found = "materials of a run that never added any",
-               .expected = "a run that says so, or goes on from such a run",
-               .hint = "a run is never edited: take it from a copy, or cut again"});
+               .found = "added materials in a run without filling",
+               .expected = "a run with filling, or one that continues such a run",
+               .hint = "runs must not be edited: restore it from a copy, or cut again"});
 }
 
 Expected<MaterialBricks> readBeginMaterials(const fs::path& run_folder, const RunManifest& manifest) {
   if (manifest.begin_sha256.empty()) return MaterialBricks{};
   const fs::path file = run_folder / internal::kRunBegin;
-  KERF_CHECK(requireSha256(file, manifest.begin_sha256, "a run is never edited: take it from a copy"));
+  KERF_CHECK(requireSha256(file, manifest.begin_sha256, "runs must not be edited: restore it from a copy"));
   return readMaterialBricks(file);
 }
 
@@ -229,7 +229,7 @@ Expected<std::optional<BrickField>> readRunBegin(const fs::path& run_folder, con
   if (manifest.begin_sha256.empty()) return std::optional<BrickField>{};
   if (beside > 0 && !manifest.beside[beside - 1].has_begin) return std::optional<BrickField>{};
   const fs::path file = run_folder / internal::kRunBegin;
-  KERF_CHECK(requireSha256(file, manifest.begin_sha256, "a run is never edited: take it from a copy"));
+  KERF_CHECK(requireSha256(file, manifest.begin_sha256, "runs must not be edited: restore it from a copy"));
   KERF_TRY(field, readGrid(file, beside == 0 ? "phi" : neighbourId(beside)));
   return std::optional(std::move(field));
 }

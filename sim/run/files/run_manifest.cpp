@@ -38,7 +38,7 @@ Expected<void> readBeside(TomlTable& top, const fs::path& path, RunManifest& m) 
     b.removed_mm3 = t.number("removed_mm3", 0, 1e12, "mm3");
     b.name = t.getOr<std::string>("name", "", "a name");
     b.has_begin = t.getOr<bool>("has_begin", false, "true or false");
-    if (b.has_begin && m.begin_sha256.empty()) t.reject("has_begin", "true", "a session that went on from another run");
+    if (b.has_begin && m.begin_sha256.empty()) t.reject("has_begin", "true", "a session that continues another run");
     KERF_CHECK(t.finish());
     m.beside.push_back(std::move(b));
   }
@@ -132,7 +132,7 @@ Expected<void> readTools(TomlTable& top, const fs::path& path, RunManifest& m) {
     KERF_CHECK(t.finish());
     m.tools.push_back(std::move(tool));
   }
-  if (m.tools.empty()) top.reject("tool", "none", "at least one [[tool]]: a session has a tool in hand");
+  if (m.tools.empty()) top.reject("tool", "none", "at least one [[tool]]: a session has a current tool");
   return {};
 }
 
@@ -156,7 +156,7 @@ Error noRun(const fs::path& folder) {
             .file = folder.string(),
             .found = "not a run bundle",
             .expected = "a folder with run.toml",
-            .hint = "kerf cut CASE ... -o RUN makes one"};
+            .hint = "make one with kerf cut CASE ... -o RUN"};
   if (!fs::exists(folder, ignored))
     out.found = "no such folder: not a run bundle";
   else if (fs::exists(folder / "case.toml", ignored))
@@ -201,7 +201,7 @@ Expected<RunManifest> readRunManifest(const fs::path& folder) {
   KERF_CHECK(readBeside(top, path, m));
   if (m.mode == kModeGeometry) KERF_CHECK(readEarlier(top, path, m));
   if (!m.beside.empty() && m.hasSweep())
-    top.reject("beside", "in mode " + m.mode, "mode haptic or session, or a run that goes on from such");
+    top.reject("beside", "in mode " + m.mode, "mode haptic or session, or a run that continues such a run");
   if (m.beside.size() >= kMostObjects)
     top.reject("beside", fmt::format("{} cases", m.beside.size()), fmt::format("at most {}", kMostObjects - 1));
   KERF_CHECK(top.finish());
@@ -273,9 +273,9 @@ Expected<void> requireEnded(const fs::path& folder, const RunManifest& m) {
   if (!m.is_open) return {};
   return fail({.code = Error::Code::kUnsupported,
                .file = folder.string(),
-               .found = "a session that has not ended: only its log is there",
-               .expected = "a session that was ended",
-               .hint = "end it in the window, or, if its program is gone: kerf recover " + folder.string()});
+               .found = "a session that has not ended: it has only its log",
+               .expected = "an ended session",
+               .hint = "end it in the window, or, after a crash: kerf recover " + folder.string()});
 }
 
 }  // namespace kerf

@@ -29,15 +29,15 @@ Expected<void> requireAnother(const fs::path& from, const fs::path& run_folder) 
   if (!fs::equivalent(from, run_folder, ignored)) return {};
   return fail({.code = Error::Code::kBadValue,
                .file = run_folder.string(),
-               .found = "the run it goes on from",
-               .expected = "a new folder: a run is never changed",
-               .hint = "another name behind -o"});
+               .found = "the run that it continues",
+               .expected = "a new folder: Kerf never changes a run",
+               .hint = "use another name after -o"});
 }
 
 Expected<std::string> storeBegin(const fs::path& from, const fs::path& run_folder) {
   KERF_TRY(before, readRunManifest(from));
   KERF_CHECK(copyFile(from / kRunField, run_folder / kRunBegin));
-  KERF_CHECK(requireSha256(run_folder / kRunBegin, before.field_sha256, "the run it goes on from is damaged"));
+  KERF_CHECK(requireSha256(run_folder / kRunBegin, before.field_sha256, "the run that it continues is damaged"));
   return before.field_sha256;
 }
 
@@ -52,7 +52,7 @@ Expected<std::string> relativeCasePath(const fs::path& case_folder, const fs::pa
                  .file = case_folder.string(),
                  .place = "name",
                  .found = "bytes that are no UTF-8 text",
-                 .expected = "a name the run can note down",
+                 .expected = "a name in UTF-8",
                  .hint = "rename the folder"});
   return path;
 }

@@ -143,7 +143,7 @@ void compareEnd(const SessionLog& log, const RunManifest& manifest, double until
   const bool is_at_end = out.first_tick + out.ticks == log.samples.size() && held_s < until_s;
   if (!is_at_end || out.state_hash == manifest.state_hash) return;
 
-  const std::string other = "the state at the end is not the one that run.toml names, " + manifest.state_hash;
+  const std::string other = "the final state differs from the one in run.toml, " + manifest.state_hash;
   if (log.is_closed && !log.damage) {
     out.is_same = false;
     out.note = other;
@@ -206,7 +206,7 @@ Expected<void> LogPlayer::handle(const SessionEvent& e) {
   else if (const auto* snapshot = std::get_if<SessionSnapshot>(&e.what))
     return compare(*snapshot, e.tick);
   else if (const auto* gap = std::get_if<SessionGap>(&e.what))
-    out_.note = fmt::format("{} samples are missing at tick {}: what follows can not be the same", gap->lost, e.tick);
+    out_.note = fmt::format("{} samples are missing at tick {}: the rest cannot be the same", gap->lost, e.tick);
   return {};
 }
 
@@ -223,8 +223,8 @@ Expected<void> LogPlayer::apply(const SessionCommand& command, std::uint64_t tic
     return fail({.code = Error::Code::kBadValue,
                  .file = file_,
                  .place = fmt::format("tick {}", tick),
-                 .found = "command \"" + command.text + "\", which can not be done there",
-                 .expected = "a command that the recorded session did",
+                 .found = "command \"" + command.text + "\", not possible there",
+                 .expected = "a command of the recorded session",
                  .hint = "the log fits another case or version"});
   ++out_.commands;
   return {};

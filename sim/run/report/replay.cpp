@@ -32,8 +32,7 @@ Expected<Replay> playUntil(LogPlayer& player, const SessionLog& log, double unti
   Replay out = player.found();
   if (out.checks == 0) {
     out.is_same = false;
-    out.note +=
-        fmt::format("{}nothing to compare with in these ticks: choose more of them", out.note.empty() ? "" : "; ");
+    out.note += fmt::format("{}nothing to compare in these ticks: choose a longer range", out.note.empty() ? "" : "; ");
   }
   if (at_end) at_end(player.session(), log);
   return out;
@@ -86,8 +85,8 @@ Expected<Replay> internal::replayRun(const fs::path& run_folder, const RunManife
   if (out && !manifest.is_open) compareEnd(recording.log, manifest, until_s, *out);
   if (out)
     for (const std::size_t n : recording.damaged_tools)
-      out->note += fmt::format("{}the file of tool {} is damaged; no stroke was cut with it",
-                               out->note.empty() ? "" : "; ", recording.tools[n].id);
+      out->note += fmt::format("{}the file of tool {} is damaged; no stroke used it", out->note.empty() ? "" : "; ",
+                               recording.tools[n].id);
   return out;
 }
 

@@ -59,7 +59,7 @@ Panel forcePanel(const RunSeries& s) {
   Panel out{"force", "N", {}, true, {}, {}};
   out.lines.push_back({"on the tool", s.contact_N, kBlue, "", Marked::kLargest});
   if (*std::max_element(s.hand_N.begin(), s.hand_N.end()) > 0)
-    out.lines.push_back({"felt by the hand", s.hand_N, kVermilion, "", Marked::kNothing});
+    out.lines.push_back({"on the hand", s.hand_N, kVermilion, "", Marked::kNothing});
   return out;
 }
 
@@ -98,7 +98,7 @@ std::string structureName(const std::string& id) {
 }
 
 Panel distancePanel(const RunSeries& s) {
-  Panel out{"distance of what cuts", "mm", {}, true, {}, {}};
+  Panel out{"distance of the cutting part", "mm", {}, true, {}, {}};
   constexpr std::array<const char*, 4> kColors{kPurple, kGreen, kBlue, kVermilion};
   constexpr std::array<const char*, 4> kDashes{"", "7 3", "2 3", "10 3 2 3"};
   for (std::size_t n = 0; n < s.distances.size(); ++n)
@@ -367,8 +367,8 @@ Expected<std::string> drawChart(const RunSeries& series, const ChartOptions& opt
     return fail({.code = Error::Code::kEmpty,
                  .place = "--from, --until",
                  .found = fmt::format("nothing from {:g} to {:g} s", options.from_s, options.until_s),
-                 .expected = fmt::format("a part of 0 to {:.3f} s", t.empty() ? 0 : t.back()),
-                 .hint = "leave one of them out"});
+                 .expected = fmt::format("a range within 0 to {:.3f} s", t.empty() ? 0 : t.back()),
+                 .hint = "omit one of them"});
 
   std::vector<Panel> panels;
   for (const ChartPanelRow& row : kChartPanels) {
@@ -378,13 +378,13 @@ Expected<std::string> drawChart(const RunSeries& series, const ChartOptions& opt
     if (!panel.lines.empty()) panels.push_back(std::move(panel));
   }
   if (panels.empty())
-    return fail({.code = Error::Code::kEmpty,
-                 .place = "--show",
-                 .found = "nothing to show",
-                 .expected =
-                     "a quantity that this run has: without pulp, nerve and neighbours, or far from them, there "
-                     "is no distance",
-                 .hint = "leave --show out"});
+    return fail(
+        {.code = Error::Code::kEmpty,
+         .place = "--show",
+         .found = "nothing to show",
+         .expected =
+             "a quantity of this run: far from pulp, nerve and neighbours, or without them, there is no distance",
+         .hint = "omit --show"});
 
   Chart chart(series, begin, end, panels.size());
   chart.heading(options);

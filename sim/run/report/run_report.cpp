@@ -57,7 +57,7 @@ Error damagedSummary(const fs::path& file, std::string place, std::string found,
           .place = std::move(place),
           .found = std::move(found),
           .expected = std::move(expected),
-          .hint = "cut again: a run is never edited"};
+          .hint = "cut again: runs must not be edited"};
 }
 
 // Values by their keys; a key that an older version did not write has none. Keeps the first error for finish().
@@ -170,7 +170,7 @@ RunReport::FirstTime firstTime(double at_s) { return at_s < 0 ? RunReport::First
 Expected<void> takeSummary(const fs::path& file, RunReport& out) {
   KERF_TRY(text, readSmallFile(file, internal::kMostSummaryBytes));
   const json j = json::parse(text, nullptr, false);
-  if (!j.is_object()) return fail(damagedSummary(file, "", "no JSON object", "the summary that kerf cut wrote"));
+  if (!j.is_object()) return fail(damagedSummary(file, "", "no JSON object", "the summary of kerf cut"));
   Summary s(j, file);
 
   out.loaded_mm3 = s.number("initial_mm3", kVolume);
@@ -211,7 +211,7 @@ Expected<void> takeSummary(const fs::path& file, RunReport& out) {
   out.ended = s.text("ended");
   if (const auto settings = j.find("settings"); settings != j.end()) {
     out.settings = settingsFromJson(*settings);
-    if (!out.settings) return fail(damagedSummary(file, "key settings", "other values", "those that kerf cut wrote"));
+    if (!out.settings) return fail(damagedSummary(file, "key settings", "other values", "the values of kerf cut"));
   }
   return s.finish();
 }
@@ -248,7 +248,7 @@ Expected<void> countVolumes(const fs::path& run_folder, RunReport& out) {
         {.code = Error::Code::kUnsupported,
          .file = run_folder.string(),
          .found = fmt::format("cut in the case's fine region, at {} mm, by an older Kerf", out.manifest.voxel_mm),
-         .expected = "volumes counted while it was cut",
+         .expected = "the volumes counted during the cut",
          .hint = "cut again"});
   KERF_TRY(table, readDefaultMaterials());
   KERF_CHECK(requireSameMaterials(case_folder, in_case, table));
@@ -304,12 +304,12 @@ void takeSession(const fs::path& run_folder, RunReport& out) {
     out.strokes = strokesOf(*log).size();
   else
     out.missing.push_back("strokes: " + log.error().message());
-  out.missing.push_back("planned against done: a session by hand has no path to compare with");
+  out.missing.push_back("planned and removed volume: a session by hand has no path to compare with");
 }
 
 void takePath(const fs::path& run_folder, RunReport& out) {
   out.strokes = strokesOfPath(run_folder / out.manifest.path_file);
-  if (!out.strokes) out.missing.push_back("strokes: the copy of the path in the run can not be read");
+  if (!out.strokes) out.missing.push_back("strokes: the copy of the path in the run cannot be read");
 }
 
 // Whether a peak lacks its time: the summary of an older version has sizes only.
@@ -323,14 +323,14 @@ Expected<void> takeSeries(const fs::path& run_folder, bool replays, const Progre
   const std::string& mode = out.manifest.mode;
   if (mode == kModeGeometry) {
     out.missing.push_back(
-        "force, temperature, distances: cut by geometry alone, where nothing resists and nothing takes time; "
-        "kerf cut --hand cuts against resistance");
+        "force, temperature, distances: a geometry run has no resistance and no time; kerf cut --hand cuts against "
+        "resistance");
     return {};
   }
   const bool has_table = fs::is_regular_file(run_folder / internal::kRunForces);
   if (mode == kModeSession && !replays && out.contact_force && out.hottest) {
     if (!out.manifest.beside.empty())
-      out.missing.push_back("distances to what stood beside: kerf info --replay " + run_folder.string());
+      out.missing.push_back("distances to neighbours: kerf info --replay " + run_folder.string());
     return {};
   }
   if (mode == kModeSession && !has_table && !replays) {
@@ -485,8 +485,7 @@ Expected<RunReport> readRunReport(const fs::path& run_folder, bool replays, cons
     from = comma + 2;
   }
   if (out.manifest.is_open) {
-    out.missing.push_back("all of its result: the session has not ended; if its program is gone: kerf recover " +
-                          run_folder.string());
+    out.missing.push_back("the result: the session has not ended; after a crash: kerf recover " + run_folder.string());
     return out;
   }
 

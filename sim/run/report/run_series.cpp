@@ -90,7 +90,7 @@ class ForcesFile {
                  .place = fmt::format("line {}", line_number_),
                  .found = std::move(found),
                  .expected = std::move(expected),
-                 .hint = "cut again: a run is never edited"});
+                 .hint = "cut again: runs must not be edited"});
   }
 
   // Finds a column by its name, or by the first of its names: units were added to some of them.
@@ -102,7 +102,7 @@ class ForcesFile {
 
   Expected<Columns> readHeader(RunSeries& out) {
     line_number_ = 1;
-    if (!std::getline(in_, header_)) return wrong("an empty file, or none that can be read", "a header line");
+    if (!std::getline(in_, header_)) return wrong("an empty or unreadable file", "a header line");
     const std::vector<std::string_view> names = fieldsOf(header_);
     Columns c;
     c.count = names.size();
@@ -308,7 +308,7 @@ Expected<RunSeries> replaySeries(const fs::path& run_folder, const RunManifest& 
   return fail({.code = Error::Code::kBadValue,
                .file = file,
                .place = fmt::format("tick {}", found.differs_at),
-               .found = "a replay that differs from what was recorded",
+               .found = "a replay that differs from the recording",
                .expected = "the same bits",
                .hint = "kerf replay " + run_folder.string()});
 }
@@ -344,7 +344,7 @@ Expected<RunSeries> readRunSeries(const fs::path& run_folder, const Progress& pr
     return fail({.code = Error::Code::kUnsupported,
                  .file = run_folder.string(),
                  .place = "mode " + manifest.mode,
-                 .found = "a run that was cut by geometry alone: it has neither time nor force",
+                 .found = "a geometry run: it has neither time nor force",
                  .expected = "a run cut against resistance, or a session of the window",
                  .hint = "kerf cut CASE --hand force ..."});
 

@@ -27,7 +27,7 @@ Expected<void> addCase(CutInputs& inputs, const fs::path& folder, const fs::path
                    .place = "--beside",
                    .found = "the same case as " + inputs.folders[n].string() + ": two solids in one place",
                    .expected = "another tooth or jaw of the same scan frame",
-                   .hint = "give each case once"});
+                   .hint = "give each case only once"});
   KERF_TRY(path, relativeCasePath(folder, run_folder));
   inputs.folders.push_back(folder);
   inputs.manifests.push_back(std::move(manifest));
@@ -57,7 +57,7 @@ Expected<void> requireTissues(const CutScene& scene) {
                      .file = scene.inputs.folders[n].string(),
                      .place = fmt::format("material {}", m),
                      .found = "not in the table of materials",
-                     .expected = "a row that says how it cuts; there are " + scene.materials.ids(),
+                     .expected = "a row with its cutting properties; there are " + scene.materials.ids(),
                      .hint = "KERF_ASSETS, or bake the case again"});
   return {};
 }

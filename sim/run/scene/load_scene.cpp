@@ -19,9 +19,9 @@ Expected<std::shared_ptr<const BakedObject>> loadObject(const std::filesystem::p
   if (begin && begin->voxel() != fields.phi0.voxel())
     return fail({.code = Error::Code::kBadValue,
                  .file = case_folder.string(),
-                 .found = fmt::format("voxels of {:g} mm in what was cut before", begin->voxel()),
+                 .found = fmt::format("voxels of {:g} mm in the earlier cut", begin->voxel()),
                  .expected = fmt::format("{:g} mm, as in the case", fields.phi0.voxel()),
-                 .hint = "that run was cut in a finer region of the case: kerf cut without --hand goes on from it"});
+                 .hint = "that run was cut in a finer region of the case: continue it with kerf cut without --hand"});
   if (begin)
     for (std::size_t b = 0; b < begin->brickCount(); ++b)
       fields.phi0.brick(fields.phi0.touch(begin->brickCoord(b))) = begin->brick(b);

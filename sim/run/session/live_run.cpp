@@ -148,9 +148,9 @@ Expected<void> LiveRun::loadNeighbour(SessionNeighbour known, const BrickField* 
     return fail({.code = Error::Code::kBadValue,
                  .file = known.folder.string(),
                  .place = "neighbour " + known.name,
-                 .found = "a case that is in the scene already: two solids in one place",
+                 .found = "a case that is already in the scene: two solids in one place",
                  .expected = "another tooth or jaw of the same scan frame",
-                 .hint = "open each once"});
+                 .hint = "open each file once"});
   if (neighbours_.size() >= kMostNeighbours)
     return fail({.code = Error::Code::kBadValue,
                  .file = known.folder.string(),
@@ -341,8 +341,8 @@ Expected<SceneCopy> LiveRun::copyOf(const SceneView& view) {
     if (!changed)
       return fail({.code = Error::Code::kNotFound,
                    .place = object.name,
-                   .found = "it was put together again meanwhile",
-                   .expected = "a scene that stays as it is",
+                   .found = "undo merged it again",
+                   .expected = "an unchanged scene",
                    .hint = "try again"});
     out.objects.push_back({object.id, object.loaded, object.name, object.T_world_object, object.mesher->pieceField(),
                            std::move(*changed)});
@@ -417,7 +417,7 @@ Expected<RunManifest> LiveRun::finish(bool keeps_log) {
   // The cut is worth more than its log.
   if (ended) {
     Error error = closed.error();
-    error.hint = "what was cut is whole, and can be exported; the log is not, and the session can not be replayed";
+    error.hint = "the cut is complete and can be exported; the log is incomplete, so the session cannot be replayed";
     return fail(std::move(error));
   }
 

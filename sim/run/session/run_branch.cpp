@@ -71,8 +71,8 @@ Expected<LogMoment> beforeUndoOf(const SessionLog& log, std::uint64_t began, con
   if (step == log.events.end())
     return fail({.code = Error::Code::kNotFound,
                  .file = file,
-                 .found = fmt::format("no step that begins at tick {}", began),
-                 .expected = "one of those that the log holds"});
+                 .found = fmt::format("no step begins at tick {}", began),
+                 .expected = "a step of the log"});
 
   const auto isUndo = [](const SessionEvent& event) { return commandIn<Undo>(event).has_value(); };
   const auto undo = std::find_if(step, log.events.end(), isUndo);
@@ -107,8 +107,8 @@ Expected<void> cutOff(SessionLog& log, const LogMoment& moment, const std::strin
       return fail({.code = Error::Code::kUnsupported,
                    .file = file,
                    .found = fmt::format("{} samples are missing at tick {}", gap->lost, event.tick),
-                   .expected = "a log that is whole up to there",
-                   .hint = "the run itself can be gone on from, at its end"});
+                   .expected = "a complete log up to there",
+                   .hint = "continue the run from its end"});
   log.damage.reset();
   log.is_closed = true;  // writeLog() closes it
   releaseFrozen(log, log.samples.empty() ? 0 : log.samples.back().tick + 1);
@@ -208,8 +208,8 @@ Expected<RunManifest> writeBranch(const fs::path& run_folder, const Recording& r
   return fail({.code = Error::Code::kEmpty,
                .file = run_folder.string(),
                .found = "nothing is cut up to there",
-               .expected = "a moment behind the first stroke",
-               .hint = "the case can be opened anew: " + recording.cases.front().string()});
+               .expected = "a moment after the first stroke",
+               .hint = "open the case instead: " + recording.cases.front().string()});
 }
 
 Expected<AtomicFolder> newFolder(const fs::path& folder) {
@@ -217,7 +217,7 @@ Expected<AtomicFolder> newFolder(const fs::path& folder) {
   if (fs::exists(fs::symlink_status(folder, ignored)))
     return fail({.code = Error::Code::kWriteFailed,
                  .file = folder.string(),
-                 .found = "there is something of that name",
+                 .found = "the name exists already",
                  .expected = "a new folder in a writable one",
                  .hint = "another name or place"});
   return AtomicFolder::create(folder, false, kRunManifest);
@@ -244,9 +244,9 @@ Expected<RunManifest> branchRun(const fs::path& run_folder, const BranchPoint& p
     return fail({.code = Error::Code::kUnsupported,
                  .file = file,
                  .place = fmt::format("tick {}", replayed.differs_at),
-                 .found = "its replay differs from what was recorded",
+                 .found = "its replay differs from the recording",
                  .expected = "the same bits",
-                 .hint = "the run itself can be gone on from, at its end"});
+                 .hint = "continue the run from its end"});
   if (written) KERF_CHECK(folder.commit());
   return written;
 }

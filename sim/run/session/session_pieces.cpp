@@ -123,7 +123,7 @@ std::string throughBodies(const Bodies& bodies, const Box3& box_of_case) {
     out += fmt::format("{}{}", n > 0 ? ", or " : "", throughBox(box));
   }
   if (bodies.all.size() > kMostNamed) out += fmt::format(", or one of {} more", bodies.all.size() - kMostNamed);
-  return out + ": where the pieces were put";
+  return out + ": positions of the pieces";
 }
 
 CutPath pathInFrame(const CutPath& path, const Rigid3& T_world_body) {
@@ -164,7 +164,7 @@ PiecesPutBack putPiecesBack(Session& session, std::span<const RunManifest::Piece
     if (out.labels.contains(object->id)) continue;
     double volume = 0;
     for (const double of_tissue : object->bricks().countVolumes()) volume += of_tissue;
-    out.missing.push_back(fmt::format("a part of {:.1f} mm3 that the run does not name", volume));
+    out.missing.push_back(fmt::format("a part of {:.1f} mm3 without an entry in the run", volume));
   }
   return out;
 }
@@ -211,9 +211,9 @@ Expected<PiecesLeft> piecesLeft(const CutScene& scene, const BrickField& changed
       if (is_joined && !isSamePose(other.T_case_piece, pieces[k].T_case_piece))
         return fail({.code = Error::Code::kGeometry,
                      .place = "pieces",
-                     .found = fmt::format("\"{}\" and \"{}\" have grown together where they were loaded", other.name,
+                     .found = fmt::format("\"{}\" and \"{}\" have grown together at their loaded positions", other.name,
                                           pieces[k].name),
-                     .expected = "pieces that stay apart: a run keeps all of them where they were loaded",
+                     .expected = "separate pieces: a run stores all pieces at their loaded positions",
                      .hint = "add less there"});
     }
     out.cut_away.push_back(pieces[k].name);

@@ -47,9 +47,9 @@ tl::unexpected<Error> cannotWrite(const fs::path& what, const std::string& why) 
 tl::unexpected<Error> nothingCut(const fs::path& run_folder) {
   return fail({.code = Error::Code::kEmpty,
                .file = run_folder.string(),
-               .found = "nothing was cut in this session",
-               .expected = "at least one stroke that is not taken back",
-               .hint = "the folder may be deleted"});
+               .found = "the session has no cuts",
+               .expected = "at least one stroke that is not undone",
+               .hint = "delete the folder if you do not need it"});
 }
 
 // Copies tool n, with its mesh, into a folder of its own, since names may repeat. Hashes before copying: see
@@ -124,8 +124,8 @@ Expected<RunLock> RunLock::take(const fs::path& run_folder) {
   return fail({.code = Error::Code::kUnsupported,
                .file = run_folder.string(),
                .found = "the session is open in another program",
-               .expected = "a session that nobody works on",
-               .hint = "end it there"});
+               .expected = "a session that no program uses",
+               .hint = "end it in that program"});
 }
 
 RunLock::RunLock(RunLock&& other) noexcept : file_(std::exchange(other.file_, -1)) {}
@@ -171,7 +171,7 @@ Expected<OpenedRun> openSessionRun(const fs::path& run_folder, const fs::path& c
   if (!fs::create_directory(run_folder, failed) || failed)
     return fail({.code = Error::Code::kWriteFailed,
                  .file = run_folder.string(),
-                 .found = failed ? failed.message() : "there is something of that name",
+                 .found = failed ? failed.message() : "the name exists already",
                  .expected = "a new folder in a writable one",
                  .hint = "another name or place"});
 
@@ -335,9 +335,9 @@ Expected<Recovery> recoverRun(const fs::path& run_folder, const Progress& progre
   if (manifest.mode != kModeSession || is_whole)
     return fail({.code = Error::Code::kUnsupported,
                  .file = run_folder.string(),
-                 .found = manifest.mode == kModeSession ? "a session that was ended" : "mode " + manifest.mode,
-                 .expected = "a session whose program is gone",
-                 .hint = "nothing is lost: kerf export " + run_folder.string()});
+                 .found = manifest.mode == kModeSession ? "an ended session" : "mode " + manifest.mode,
+                 .expected = "a session without a running program",
+                 .hint = "its data is complete: kerf export " + run_folder.string()});
   const auto lock = RunLock::take(run_folder);
   if (!lock) return fail(lock.error());
 
@@ -351,9 +351,9 @@ Expected<Recovery> recoverRun(const fs::path& run_folder, const Progress& progre
     if (has_ended && fmt::format("{:016x}", session.hash()) != manifest.state_hash) {
       ended = fail({.code = Error::Code::kUnsupported,
                     .file = (run_folder / internal::kRunField).string(),
-                    .found = "it is damaged, and the log leads to another state than run.toml names",
-                    .expected = "a whole log of this run",
-                    .hint = "take it from a copy"});
+                    .found = "it is damaged, and the log leads to another state than the one in run.toml",
+                    .expected = "a complete log of this run",
+                    .hint = "restore it from a copy"});
       return;
     }
     manifest.tool_id = internal::toolsInHand(log, manifest);
@@ -363,7 +363,7 @@ Expected<Recovery> recoverRun(const fs::path& run_folder, const Progress& progre
   KERF_TRY(replayed, internal::replayRun(run_folder, manifest, progress, end));
   if (!ended && ended.error().code == Error::Code::kEmpty && has_dropped)
     ended.error().hint =
-        "what was taken back in it is in its log still: the window's session.recover keeps that as runs of its own";
+        "its log still holds the undone steps: session.recover in the window saves them as separate runs";
   KERF_CHECK(ended);
   if (has_ended)
     replayed.note = fmt::format("{} was damaged: rebuilt from the log{}{}", internal::kRunField,

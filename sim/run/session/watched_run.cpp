@@ -97,7 +97,7 @@ Expected<void> WatchedRun::chooseColours() {
 
 // Uses the laws of the live session: the log holds no temperature.
 Expected<void> WatchedRun::watchHeat(const Progress& progress) {
-  if (!report(progress, 0.93, "measuring the way to pulp and nerve")) return cancelled();
+  if (!report(progress, 0.93, "measuring distances to pulp and nerve")) return cancelled();
   const Progress rest = [&](double done, std::string_view step) { return report(progress, 0.93 + 0.07 * done, step); };
   KERF_TRY(structures, Structures::of(object(), rest));
   structures_ = std::move(structures);
@@ -458,7 +458,7 @@ void WatchedRun::arrive() {
   if (verdict.is_same)
     verdict.text = fmt::format("the same: {} checks, and the state at the end, {}", found.checks, found.state_hash);
   else if (!found.is_same)
-    verdict.text = fmt::format("it differs from {:.3f} s on", kTick * static_cast<double>(found.differs_at));
+    verdict.text = fmt::format("it differs from {:.3f} s onwards", kTick * static_cast<double>(found.differs_at));
   else
     verdict.text = fmt::format("the state at the end is {}; the run names {}", found.state_hash, manifest().state_hash);
   if (!verdict.is_whole)

@@ -90,7 +90,7 @@ Expected<ToolCheck> checkTool(const Tool& tool, double voxel_mm, const Progress&
                  .found = fmt::format("{} mm", voxel_mm),
                  .expected = fmt::format("{:.3g} to {:.3g} mm, a hundredth to a third of the tool", thinnest / 100,
                                          thinnest / 3),
-                 .hint = "leave --voxel out"});
+                 .hint = "omit --voxel"});
 
   if (!report(progress, 0.0, "preparing a block")) return cancelled();
   const Box3 block = blockFor(tool, h, out);

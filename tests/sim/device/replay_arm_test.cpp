@@ -144,7 +144,7 @@ TEST(ReplayArm, WhatIsNoArmIsRefused) {
   ASSERT_TRUE(writeRecording(file, recording));
   const auto opened = openArm("replay:" + file, {});
   ASSERT_FALSE(opened);
-  EXPECT_NE(opened.error().message().find("which is no arm"), std::string::npos) << opened.error().message();
+  EXPECT_NE(opened.error().message().find("not a force-feedback arm"), std::string::npos) << opened.error().message();
   recording.driver = nullptr;
   recording.arm = "bridge";
   ASSERT_TRUE(writeRecording(file, recording));

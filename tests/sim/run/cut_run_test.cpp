@@ -136,7 +136,7 @@ TEST_F(CutRunTest, GeometryGoesOnFromACutAgainstResistance) {
   ASSERT_GT(a, 0.1);
   EXPECT_NEAR(removedIn("ab.run"), a + b, 0.02 * (a + b));
   EXPECT_NEAR(second.removed_by_material.begin()->second, b, 0.05 * b) << "since then";
-  EXPECT_NE(exported("ab.run").accuracy_missing.find("goes on from"), std::string::npos);
+  EXPECT_NE(exported("ab.run").accuracy_missing.find("continues a run"), std::string::npos);
 
   // Continues by hand and by geometry.
   byHand("ab.run", holes("c.csv", {{-2, -1, -0.6}}), "abc.run");
@@ -279,7 +279,7 @@ TEST_F(CutRunTest, APieceThatIsCutInTwoIsTwoPiecesWhereItWasPut) {
   ASSERT_TRUE(writeRunManifest(at("swept.run"), older));
   const RunManifest torn = geometry("swept.run", at("left.csv"), "torn.run");
   ASSERT_EQ(torn.missing_pieces.size(), 1u);
-  EXPECT_NE(torn.missing_pieces.front().find("does not name"), std::string::npos) << torn.missing_pieces.front();
+  EXPECT_NE(torn.missing_pieces.front().find("without an entry"), std::string::npos) << torn.missing_pieces.front();
 }
 
 TEST_F(CutRunTest, APieceThatIsSweptAwayIsNoPieceAnyMore) {
@@ -307,7 +307,7 @@ TEST_F(CutRunTest, APathThatMissesMovedPiecesIsToldWhereTheyAre) {
   ASSERT_FALSE(swept || by_hand);
   for (const std::string& told : {swept.error().message(), by_hand.error().message()}) {
     EXPECT_NE(told.find("(23.0"), told.npos) << told;
-    EXPECT_NE(told.find("where the pieces were put"), told.npos) << told;
+    EXPECT_NE(told.find("positions of the pieces"), told.npos) << told;
   }
 }
 
