@@ -114,7 +114,7 @@ inline auto brokenScene(std::string place, std::string found, std::string expect
                .place = std::move(place),
                .found = std::move(found),
                .expected = std::move(expected),
-               .hint = "report this"});
+               .hint = "report this bug"});
 }
 
 /// A tool of assets/tools.

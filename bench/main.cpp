@@ -83,7 +83,7 @@ void addOptions(CLI::App& app, Arguments& a) {
   app.add_flag("--no-goals", a.no_goals, "print the numbers and judge none of them");
   app.add_option("--limit", a.limits, "GOAL=NUMBER: judge SCENE by a limit of your own")->allow_extra_args(false);
   app.add_flag("--list", a.list, "print the scenes and their goals, and run none");
-  app.add_flag("--json", a.json, "as JSON on standard output");
+  app.add_flag("--json", a.json, "print JSON on standard output");
 }
 
 int run(const Arguments& a) {

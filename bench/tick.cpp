@@ -62,7 +62,7 @@ tl::unexpected<Error> differing(const char* scene) {
                .place = scene,
                .found = "two runs of the same ticks that differ",
                .expected = "the same bits",
-               .hint = "report this"});
+               .hint = "report this bug"});
 }
 
 // Cost and effect of the ticks in contact.
