@@ -61,8 +61,7 @@ TEST_F(CliPromises, CheckDoubtsTheUnitAndTakesOne) {
   folder_.write("metres.off", small);
   const Outcome in_mm = runKerf({"check", at("metres.off")});
   EXPECT_EQ(in_mm.exit_code, 1) << in_mm.err;
-  EXPECT_NE(in_mm.err.find("metres.off: CHECK THE UNIT: judged as if it were in mm; it seems to be in m"),
-            in_mm.err.npos)
+  EXPECT_NE(in_mm.err.find("metres.off: CHECK THE UNIT: checked in mm, but it seems to be in m"), in_mm.err.npos)
       << in_mm.err;
   EXPECT_NE(in_mm.out.find("0.06 mm long, less than any printer makes"), in_mm.out.npos) << in_mm.out;
   const Outcome o = runKerf({"check", at("metres.off"), "--unit", "m", "--json"});
@@ -217,7 +216,7 @@ TEST_F(CliPromises, AStrokeWithinAFineRegionIsJudgedByItsVoxels) {
     EXPECT_EQ(j["voxel_mm"], is_fine ? 0.05 : 0.5);
     EXPECT_EQ(j["strokes"], 2);
     EXPECT_EQ(j["idle_strokes"], json::array({2})) << o.err;
-    EXPECT_EQ(o.err.find("nothing was changed"), o.err.npos) << o.err;
+    EXPECT_EQ(o.err.find("the tool changed nothing"), o.err.npos) << o.err;
     EXPECT_EQ(o.err.find("thinner than the voxels") != o.err.npos, !is_fine) << o.err;
   }
 }
@@ -274,8 +273,9 @@ TEST_F(CliPromises, ACutBetweenTheNodesIsWarnedOfAsThin) {
     ASSERT_EQ(o.exit_code, 0) << o.err;
     const json cut = json::parse(o.out);
     EXPECT_LT(cut["removed_mm3"].get<double>(), 1e-6);
-    EXPECT_EQ(o.err.find("the cut is thinner than the voxels: about ") != o.err.npos, is_thin) << o.err;
-    EXPECT_EQ(o.err.find("nothing was changed") != o.err.npos, !is_thin) << o.err;
+    EXPECT_EQ(o.err.find("the cut is thinner than the voxels: the exported mesh loses about ") != o.err.npos, is_thin)
+        << o.err;
+    EXPECT_EQ(o.err.find("the tool changed nothing") != o.err.npos, !is_thin) << o.err;
     EXPECT_EQ(o.err.find("stroke 1 of 1 removed nothing") != o.err.npos, !is_thin) << o.err;
 
     const Outcome mesh = runKerf({"export", at("thin.run"), "-o", at("thin.stl"), "--overwrite", "--json"});
@@ -298,7 +298,7 @@ TEST_F(CliPromises, ACavityIsToldOfByCheckAndByExport) {
     walls += std::string("3 ") + t + "\n";
   off.insert(off.find("3 0 2 3"), corners);
   folder_.write("hollow.off", off + walls);
-  const std::string sentence = "Cavities are shut in: a printer that works in resin or powder leaves some of it there.";
+  const std::string sentence = "Closed cavities: a resin or powder printer leaves material in them.";
 
   const Outcome checked = runKerf({"check", at("hollow.off")});
   EXPECT_EQ(checked.exit_code, 0) << checked.out;
@@ -490,7 +490,7 @@ TEST_F(CliPromises, RecoverDiscardsNoRunThatHasEnded) {
   home.environment["XDG_DATA_HOME"] = at("data");
   const Outcome none = runKerf({"recover"}, home);
   EXPECT_EQ(none.exit_code, 0);
-  EXPECT_NE(none.out.find("no session"), none.out.npos) << none.out;
+  EXPECT_NE(none.out.find("no lost session"), none.out.npos) << none.out;
   refuses({"recover", at("box.run"), "--discard"}, {"box.run", "a run that has ended"});
   refuses({"recover", "--discard"}, {"RUN"}, 2);
 }

@@ -195,9 +195,9 @@ TEST_F(Cli, OutputsThatCannotBeAreRefusedAndNothingOfOthersIsReplaced) {
   refuses(forced(cut(at("box.case"))), {"box.case", "it is a case"});
   refuses({"tool", "bake", "round-014", "-o", at("box.run"), "--force"}, {"box.run", "it is a run"});
   refuses({"cut", at("box.run"), "--tool", "round-014", "--path", path, "-o", at("x.run")},
-          {"meets nothing that is left of the object"});
+          {"does not touch the remaining object"});
   refuses({"cut", at("box.run"), "--tool", "round-014", "--path", path, "-o", at("box.run"), "--force"},
-          {"box.run", "never changed"});
+          {"box.run", "never changes a run"});
   for (const auto& command : {bake(at("file.case")), cut(at("file.case"))}) refuses(forced(command), {"file.case"});
   std::vector<std::string> finer = bake(box);
   finer.insert(finer.end(), {"--close", "repair"});
@@ -439,7 +439,7 @@ TEST_F(Cli, ARunWhoseCaseIsGoneOrAnotherIsRefused) {
   fs::rename(in("box.case"), in("moved.case"));
   refuses({"export", at("box.run"), "-o", at("x.stl")}, {"box.run", "case_path", "box.case"});
   ASSERT_EQ(runKerf({"bake", at("box.off"), "--unit", "mm", "-o", at("box.case"), "--voxel", "0.25"}).exit_code, 0);
-  refuses({"export", at("box.run"), "-o", at("x.stl")}, {"box.run", "baked anew"});
+  refuses({"export", at("box.run"), "-o", at("x.stl")}, {"box.run", "baked again"});
 }
 
 TEST_F(Cli, ARunThatWasMovedAloneFindsItsCaseWhereItIsSaidToBe) {
@@ -448,7 +448,7 @@ TEST_F(Cli, ARunThatWasMovedAloneFindsItsCaseWhereItIsSaidToBe) {
   ASSERT_EQ(runKerf({"export", at("box.run"), "-o", at("before.stl")}).exit_code, 0);
   fs::rename(in("box.case"), moved);
   const Outcome lost = runKerf({"export", at("box.run"), "-o", at("x.stl")});
-  EXPECT_NE(lost.err.find("--case FOLDER says where it is now"), std::string::npos) << lost.err;
+  EXPECT_NE(lost.err.find("give its folder with --case FOLDER"), std::string::npos) << lost.err;
   const Outcome found = runKerf({"export", at("box.run"), "--case", moved, "-o", at("after.stl")});
   EXPECT_EQ(found.exit_code, 0) << found.err;
   EXPECT_EQ(contentOf(in("after.stl")), contentOf(in("before.stl")));

@@ -59,7 +59,7 @@ TEST_F(CliRunInfo, OfARunOfGeometrySaysTissuesSharesAndPlan) {
   EXPECT_TRUE(info["time_s"].is_null());
   EXPECT_TRUE(info["peak_contact_force_N"].is_null());
   ASSERT_EQ(info["missing"].size(), 1u) << info["missing"];
-  EXPECT_NE(info["missing"][0].get<std::string>().find("geometry alone"), std::string::npos);
+  EXPECT_NE(info["missing"][0].get<std::string>().find("a geometry run"), std::string::npos);
 
   // The text output starts with the same data, followed by the composition of the run.
   const Outcome plain = runKerf({"info", at("plain.run")});
@@ -115,7 +115,7 @@ TEST_F(CliRunInfo, OfARunOfGeometrySaysTissuesSharesAndPlan) {
       << "{\"removed_mm3\": 2, \"removed_by_material_mm3\": {\"enamel\": 2.05, \"dentin\": -0.05}}";
   EXPECT_EQ(parsed({"info", at("plain.run"), "--json"})["removed_by_material_mm3"]["dentin"], -0.05);
   refuses({"info", at("elsewhere.case"), "--replay"}, {"--replay"}, 2);
-  refuses({"plot", at("plain.run"), "-o", at("x.svg")}, {"geometry alone"});
+  refuses({"plot", at("plain.run"), "-o", at("x.svg")}, {"a geometry run"});
 }
 
 TEST_F(CliRunInfo, OfARunAgainstResistanceSaysWhenAndWhere) {
@@ -333,7 +333,7 @@ TEST_F(CliRunInfo, TrimWritesBothSidesOrOneAndTheFileStaysAsItWas) {
   refuses({"trim", at("box.off"), "--plane", "occlusal@-3", "-o", at("x.stl")}, {"--plane", "occlusal"});
   refuses({"trim", at("box.off"), "-o", at("x.stl")}, {"nothing to cut along"}, 2);
   refuses({"trim", at("box.off"), "--plane", "0,0,1@0,0,-1", "--keep", "above", "-o", at("box.off")},
-          {"never written over"});
+          {"never overwrites a scan"});
   folder_.write("open.off", "OFF\n3 1 0\n0 0 0\n9 0 0\n0 9 0\n3 0 1 2\n");
   refuses({"trim", at("open.off"), "--plane", "0,0,1@0,0,0", "-o", at("x.stl")}, {"open.off", "kerf bake"});
 }

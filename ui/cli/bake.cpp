@@ -97,7 +97,8 @@ Expected<void> readClose(const std::string& text, CloseOptions& options) {
           {.code = Error::Code::kBadValue,
            .place = "--close",
            .found = "\"" + name + "\"",
-           .expected = "auto, base, repair, wrap, or some of weld,drop,stitch,orient,fill,base,union,wrap with commas",
+           .expected =
+               "auto, base, repair, wrap, or steps of weld,drop,stitch,orient,fill,base,union,wrap separated by commas",
            .hint = "--close weld,orient,fill"});
     options.only.insert(static_cast<CloseStep>(known - kCloseStepNames.begin()));
     at = end + 1;
@@ -109,12 +110,12 @@ Expected<void> readClose(const std::string& text, CloseOptions& options) {
 Expected<GivenPlane> plane(const std::string& text) {
   const auto given = normalAndPointOfWord(text);
   if (!given)
-    return fail({.code = Error::Code::kBadValue,
-                 .place = "--occlusal-plane",
-                 .found = "\"" + text + "\"",
-                 .expected = "auto, or three numbers with commas: a normal, not of length 0; after @ a point on the "
-                             "plane, mm",
-                 .hint = "auto, 0,0,1 or 0.1,0,0.99@0,0,12.5"});
+    return fail(
+        {.code = Error::Code::kBadValue,
+         .place = "--occlusal-plane",
+         .found = "\"" + text + "\"",
+         .expected = "auto, or NX,NY,NZ, a normal that is not zero; a point on the plane may follow: @PX,PY,PZ, mm",
+         .hint = "auto, 0,0,1 or 0.1,0,0.99@0,0,12.5"});
   return GivenPlane{given->normal, given->point};
 }
 
@@ -237,7 +238,7 @@ int runPair(const BakeArguments& a, const std::vector<std::filesystem::path>& pa
     return complainOfUsage({.code = Error::Code::kBadValue,
                             .place = "--pair",
                             .found = fmt::format("{} meshes", paths.size()),
-                            .expected = "two: the jaws that meet",
+                            .expected = "two: the jaws in occlusion",
                             .hint = "kerf bake --pair upper.ply lower.ply -o patient"});
   const std::array<std::filesystem::path, 2> meshes{paths[0], paths[1]};
   const auto folders = pairFolders(meshes, a.output);
@@ -283,7 +284,7 @@ Expected<FineRegion> readRegion(const BakeArguments& a) {
   if (region.line.empty())
     return fail({.code = Error::Code::kEmpty,
                  .file = a.fine_along,
-                 .found = "no motion that cuts",
+                 .found = "no cutting motion",
                  .expected = "a path with cutting motions"});
   region.line = thinned(region.line, region.radius_mm / 8);
   return region;
@@ -294,7 +295,7 @@ int runOne(const BakeArguments& a, const std::vector<std::filesystem::path>& pat
   if (recipe != paths.end() && paths.size() > 1)
     return complainOfUsage({.code = Error::Code::kBadValue,
                             .file = recipe->string(),
-                            .found = "a recipe beside other files",
+                            .found = "a recipe together with other files",
                             .expected = "the recipe alone",
                             .hint = "name the other meshes in it, as [[part]]"});
   const auto report = [&] {
@@ -317,7 +318,7 @@ int runBake(BakeArguments& a) {
     if (a.pair)
       return complainOfUsage({.code = Error::Code::kBadValue,
                               .place = "--fine-along",
-                              .found = "beside --pair",
+                              .found = "given with --pair",
                               .expected = "one object",
                               .hint = "bake the jaws one by one"});
     const auto region = readRegion(a);
@@ -330,71 +331,71 @@ int runBake(BakeArguments& a) {
 
 void addClosingOptions(CLI::App& command, BakeArguments& a) {
   command
-      .add_option("--close", a.close,
-                  "auto: least repair, a flat base for an open scan | base | repair: never a base | wrap: shrink-wrap, "
-                  "approximate | or exactly some of weld,drop,stitch,orient,fill,base,union,wrap with commas")
+      .add_option(
+          "--close", a.close,
+          "closing method: auto (least repair, a flat base for an open scan) | base | repair (never a base) | wrap "
+          "(shrink-wrap, approximate) | or steps separated by commas: weld,drop,stitch,orient,fill,base,union,wrap")
       ->capture_default_str();
   command
       .add_option("--wrap-alpha", a.options.close.wrap_alpha_mm,
-                  "of --close wrap: hollows narrower than this are bridged [mm]; below 0.3 it takes minutes")
+                  "with --close wrap: bridge gaps narrower than this [mm]; below 0.3 it takes minutes")
       ->check(CLI::Range(0.05, 100.0))
       ->capture_default_str();
-  command.add_option("--stitch-mm", a.options.close.stitch_mm, "join boundaries no farther apart [mm]; 0: none")
+  command
+      .add_option("--stitch-mm", a.options.close.stitch_mm, "join boundaries up to this distance apart [mm]; 0: none")
       ->check(CLI::Range(0.0, kWidestStitch))
       ->capture_default_str();
   command
       .add_option("--fill-holes-up-to", a.fill_up_to,
-                  "do not fill a boundary longer than this [mm around] (default: judged by the size of the mesh)")
+                  "fill boundaries up to this circumference [mm] (default: from the size of the mesh)")
       ->check(CLI::PositiveNumber);
 
-  command.add_option(
-      "--base", a.base,
-      "horseshoe: walls follow the rim | full: on a plate under the outline of the rim (default: horseshoe)");
+  command.add_option("--base", a.base,
+                     "shape of the base: horseshoe (walls follow the rim) | full (a plate under the outline of the "
+                     "rim) (default: horseshoe)");
   command.add_option("--occlusal-plane", a.occlusal_plane,
-                     "make the base parallel to it: auto (found from the cusp tips) or NX,NY,NZ[@PX,PY,PZ], mm "
+                     "make the base parallel to this plane: auto (from the cusp tips) or NX,NY,NZ[@PX,PY,PZ], mm "
                      "(default: the base is square to an axis)");
   command.add_option("--base-height", a.base_height,
-                     "from the base up to the occlusal plane, or without one to the highest point [mm]; overrides "
-                     "--base-margin");
-  command.add_option("--base-margin", a.options.close.base_margin_mm, "base below the lowest point [mm]")
+                     "height from the base to the occlusal plane, or to the highest point if there is no plane [mm]; "
+                     "overrides --base-margin");
+  command
+      .add_option("--base-margin", a.options.close.base_margin_mm, "distance of the base below the lowest point [mm]")
       ->capture_default_str();
   command
       .add_option("--base-smoothing", a.options.close.base_smoothing_mm,
-                  "walls lead from the rim to an outline without waves shorter than this, narrow gaps of the rim are "
-                  "bridged [mm]; 0: straight walls under every corner of the rim")
+                  "smooth waves shorter than this out of the base walls, and bridge narrow gaps of the rim [mm]; 0: "
+                  "straight walls under the rim")
       ->check(CLI::Range(0.0, 100.0))
       ->capture_default_str();
   command.add_option("--base-direction", a.base_direction,
-                     "where the base goes: +x -x +y -y +z -z (default: where the scan is open)");
+                     "side of the base: +x -x +y -y +z -z (default: the open side of the scan)");
   command
-      .add_option(
-          "--trim-rim", a.options.close.trim_rim_mm,
-          "take tongues and flakes of the rim narrower than this [mm] before the base is built; the report says "
-          "what was taken (default: nothing is)")
+      .add_option("--trim-rim", a.options.close.trim_rim_mm,
+                  "remove tongues and flakes of the rim narrower than this [mm] before building the base; the report "
+                  "lists them (default: none)")
       ->check(CLI::Range(0.0, kWidestTrim));
   command
       .add_option("--drop-specks", a.options.close.drop_specks_mm3,
                   "drop pieces of the solid smaller than this [mm3] (default: none; overrides a recipe's)")
       ->check(CLI::NonNegativeNumber);
-  command.add_flag(
-      "--accept-doubtful", a.options.close.accept_doubtful,
-      "make the solid, with a warning, even if it has more than twice or less than a quarter of the volume "
-      "it should have, or lacks more than three fifths of the scan's vertices; without it that is refused");
+  command.add_flag("--accept-doubtful", a.options.close.accept_doubtful,
+                   "accept, with a warning, a solid with more than twice or less than a quarter of the expected "
+                   "volume, or without more than three fifths of the scan's vertices (default: reject it)");
 }
 
 void addFineOptions(CLI::App& command, BakeArguments& a) {
   CLI::Option* along =
       command
-          .add_option(
-              "--fine-along", a.fine_along,
-              "path file (docs/reference/path-files.md): smaller voxels around where its tip cuts; a cut that stays "
-              "there uses them. Overrides a recipe's [region]")
+          .add_option("--fine-along", a.fine_along,
+                      "path file (docs/reference/path-files.md): bake a fine region, with smaller voxels, around its "
+                      "cutting motions; a cut inside the region uses them. Overrides a recipe's [region]")
           ->check(CLI::ExistingFile);
-  command.add_option("--fine-radius", a.fine_radius, "distance from the path that they reach [mm]")
+  command.add_option("--fine-radius", a.fine_radius, "radius of the fine region around the path [mm]")
       ->needs(along)
       ->check(CLI::Range(0.1, 1000.0))
       ->capture_default_str();
-  command.add_option("--fine-voxel", a.fine_voxel, "size of these voxels [mm] (default: half the object's)")
+  command.add_option("--fine-voxel", a.fine_voxel, "voxel size of the fine region [mm] (default: half the object's)")
       ->needs(along)
       ->check(CLI::Range(kSmallestVoxel, kLargestVoxel));
 }
@@ -409,16 +410,16 @@ void addBake(CLI::App& command, int& exit_code) {
   command
       .add_option("INPUT", a->inputs,
                   readableFormats() +
-                      "; several are united into one object. Or one recipe (.toml) that puts tissues together from "
-                      "meshes, depths and label volumes")
+                      "; Kerf unites several into one object. Or one recipe (.toml) that combines tissues from meshes, "
+                      "depths and label volumes")
       ->required();
   command.add_option("-o,--output", a->output, "case folder to write")->required();
-  command.add_flag("--pair", a->pair,
-                   "two jaws that meet: writes two cases that share one frame, called NAME-STEM.case after -o NAME and "
-                   "the names of the files");
+  command.add_flag(
+      "--pair", a->pair,
+      "bake two jaws in occlusion: writes two cases in one frame, NAME-STEM.case, from -o NAME and the file names");
   command
       .add_option("--unit", a->options.unit,
-                  "unit of the files (default: as declared, or judged by the size; the report says why)")
+                  "unit of the files (default: the declared unit, or by size; the report gives the reason)")
       ->check(CLI::IsMember(unitNames()));
   addClosingOptions(command, *a);
   CLI::Option* voxel =
@@ -427,7 +428,7 @@ void addBake(CLI::App& command, int& exit_code) {
           ->capture_default_str();
   addFineOptions(command, *a);
   addOverwrite(command, a->options.overwrite, "bake again and replace an existing case");
-  command.add_flag("--json", a->json, "report as JSON on standard output");
+  command.add_flag("--json", a->json, "print the report as JSON on standard output");
   command.callback([a, voxel, &exit_code] {
     a->options.voxel_is_given = voxel->count() > 0;
     exit_code = runBake(*a);

@@ -32,8 +32,8 @@ Expected<MeshFile> read(const CheckArguments& a, const std::string& name) {
   if (!a.unit.empty()) {
     for (Vec3d& p : file->mesh.vertices) p *= unit.scale_to_mm;
   } else if (unit.scale_to_mm != 1) {
-    printText(stderr, "kerf: {}: CHECK THE UNIT: judged as if it were in mm; it seems to be in {}: {}\n", name,
-              unit.unit, unit.reason);
+    printText(stderr, "kerf: {}: CHECK THE UNIT: checked in mm, but it seems to be in {}: {}\n", name, unit.unit,
+              unit.reason);
   }
   if (unit.is_doubtful) printText(stderr, "kerf: {}: CHECK THE UNIT: {}\n", name, unit.reason);
   return file;
@@ -85,10 +85,11 @@ void addCheck(CLI::App& command, int& exit_code) {
       "check -");
   command.add_option("MESH", a->meshes, readableFormats() + "; several: each in turn; -: from standard input")
       ->required();
-  command.add_option("--unit", a->unit, "of the meshes: mm, cm, m, um or inch (default: judged as if they were in mm)")
+  command.add_option("--unit", a->unit, "unit of the meshes: mm, cm, m, um or inch (default: mm)")
       ->type_name("UNIT")
       ->check(CLI::IsMember(unitNames()));
-  command.add_flag("--json", a->json, "verdict as JSON on standard output; of several meshes a list, with their files");
+  command.add_flag("--json", a->json,
+                   "print the verdict as JSON on standard output; for several meshes a list with their files");
   command.callback([a, &exit_code] { exit_code = a->meshes.size() == 1 ? checkOne(*a) : runAll(*a); });
 }
 

@@ -46,7 +46,7 @@ std::vector<std::string> responseNames() {
 }
 
 std::string handpieceHelp() {
-  std::string text = "handpiece that turns the tool, in place of the one of its file or shank: ";
+  std::string text = "handpiece that drives the tool, instead of the one of its file or shank: ";
   const char* between = "";
   for (const Handpiece& row : handpieces())
     text += fmt::format("{}{} ({})", std::exchange(between, "; "), row.name, row.description);
@@ -60,7 +60,7 @@ std::vector<std::string> handpiecesByName() {
 }
 
 std::string responseHelp() {
-  std::string text = "what keeps the tool out of the tissue: ";
+  std::string text = "collision response that keeps the tool out of the tissue: ";
   const char* between = "";
   for (const ResponseRow& row : kResponses)
     text += fmt::format("{}{} ({})", std::exchange(between, ", "), row.name, row.description);
@@ -89,17 +89,17 @@ std::vector<std::string> warningsOf(const RunManifest& m) {
   constexpr double kWorthSaying = 0.01;  // mm^3
   std::vector<std::string> out;
   for (const std::string& piece : m.missing_pieces)
-    out.push_back("not found again, and so where it was in the scan: " + piece);
-  for (const std::string& piece : m.pieces_cut_away) out.push_back("cut away, nothing is left of it: " + piece);
+    out.push_back("piece not found; it stays at its scan position: " + piece);
+  for (const std::string& piece : m.pieces_cut_away) out.push_back("piece completely cut away: " + piece);
   if (m.added_before_mm3 > kWorthSaying)
-    out.push_back(fmt::format(
-        "{:.4f} mm3 that were added before, as a filling, count and cut as the tissue around them from here "
-        "on: the run is of an older Kerf, which kept where material was added, not which",
-        m.added_before_mm3));
+    out.push_back(
+        fmt::format("{:.4f} mm3 of earlier filling now count as the tissue around them. The run is from an older Kerf, "
+                    "which saved the place of added material but not the material",
+                    m.added_before_mm3));
   if (m.finer_before_mm > 0)
     out.push_back(
-        fmt::format("the run before was cut on voxels of {} mm, in the case's fine region: out of that, its cut, too, "
-                    "is on the object's voxels now, {} mm",
+        fmt::format("the earlier run was cut on voxels of {} mm, in the case's fine region. Its cut outside the region "
+                    "is now on the object's voxels, {} mm",
                     m.finer_before_mm, m.voxel_mm));
   return out;
 }
@@ -122,13 +122,13 @@ void warnOfNeighbours(const CutArguments& a, const HapticSummary& s) {
     const std::string in = is_in ? fmt::format(", cutting part in it by {:.3f} mm", -least->second) : "";
 
     if (other.removed_mm3 > 0)
-      printText(stderr, "kerf: {} was cut: {:.4f} mm3{}. Its mesh: kerf export {} --beside {} -o FILE\n", name,
+      printText(stderr, "kerf: {}: {:.4f} mm3 removed{}. Export its mesh: kerf export {} --beside {} -o FILE\n", name,
                 other.removed_mm3, in, a.output, n + 1);
     else if (other.seconds_touched > 0 || is_in)
-      printText(stderr, "kerf: {} was touched for {:.3f} s, nothing cut off it{}\n", name, other.seconds_touched, in);
+      printText(stderr, "kerf: {}: touched for {:.3f} s, nothing removed{}\n", name, other.seconds_touched, in);
     if (other.overlap_mm3 > 0.01 * std::min(other.initial_mm3, s.initial_mm3))
-      printText(stderr, "kerf: {} overlaps the case by about {:.1f} mm3 as loaded: there the tool meets both\n", name,
-                other.overlap_mm3);
+      printText(stderr, "kerf: {} overlaps the case by about {:.1f} mm3 before the cut: the tool touches both there\n",
+                name, other.overlap_mm3);
   }
 }
 
@@ -162,8 +162,8 @@ void printVolumes(const HapticSummary& s, bool is_adding) {
     printText("added {:.4f} mm3{}\n", s.added_mm3, byMaterial(s.added_by_material, true));
     if (s.clipped > 0)
       printText(
-          "{} of {} ticks reached farther than {:g} mm from the object's box, or more air than fits: nothing was added "
-          "there\n",
+          "{} of {} ticks were more than {:g} mm outside the object's box, or needed more air than fits: nothing was "
+          "added there\n",
           s.clipped, s.ticks, kAirAround);
   }
   printText("removed {:.4f} mm3{}; {:.4f} of {:.4f} mm3 are left, in {}", s.removed_mm3,
@@ -214,18 +214,18 @@ void printCut(const CutArguments& a, const HapticCut& cut) {
             s.mean_contact_force, s.peak_contact_force, s.mean_normal_load, s.peak_hand_force);
   printText("drive {:.1f} mJ into the tissue, speed down to {:.0f} % of nominal", s.work, 100 * s.least_speed);
   if (s.stalled_s > 0.05)
-    printText("; it stood still for {:.2f} s: too {} for this drive{}", s.stalled_s,
+    printText("; it stalled for {:.2f} s: too {} for this drive{}", s.stalled_s,
               a.hand == "feed" ? "fast a feed" : "heavy a hand",
               a.haptic.spindle < 1 ? fmt::format(" at {:g} of its speed", a.haptic.spindle) : "");
   printText("\n");
   printMonitored(s);
 
   if (s.too_fast > 0)
-    printText("{} of {} ticks were too fast for one contact evaluation a voxel: a slower feed feels more\n", s.too_fast,
+    printText("{} of {} ticks were too fast for one contact evaluation per voxel: use a slower feed\n", s.too_fast,
               s.ticks);
   if (s.out_of_bricks > 0)
-    printText("{} of {} ticks ran out of reserved bricks: what was not cut then was cut later, or not at all\n",
-              s.out_of_bricks, s.ticks);
+    printText("{} of {} ticks ran out of reserved bricks: their cuts came later, or not at all\n", s.out_of_bricks,
+              s.ticks);
   printText("state {}\nrun written: {}\n", s.state_hash, a.output);
 }
 
@@ -240,7 +240,7 @@ void warnOfTool(const CutArguments& a, const std::filesystem::path& tool_file, d
   if (const auto coarse = tooCoarseFor(*tool, voxel_mm, held))
     printText(stderr, "kerf: WARNING: {}. Bake with --voxel {:.2g} or finer{}\n", coarse->what, coarse->finer_mm,
               a.hand.empty() ? ", or for the mesh alone with --fine-along the path" : "");
-  if (is_unchanged) printText(stderr, "kerf: WARNING: nothing was changed\n");
+  if (is_unchanged) printText(stderr, "kerf: WARNING: the tool changed nothing\n");
 }
 
 // Only the penalty law holds a tool by its core.
@@ -249,8 +249,8 @@ void warnOfResponse(const CutArguments& a, const std::filesystem::path& tool_fil
   const auto tool = readTool(tool_file);
   if (tool && isPointed(*tool))
     printText(stderr,
-              "kerf: WARNING: by {} a point as thin as that of {} may go through tissue without cutting it. Leave "
-              "--response out\n",
+              "kerf: WARNING: with {} a point as thin as that of {} may pass through tissue without cutting it. Omit "
+              "--response\n",
               a.response, tool->id);
 }
 
@@ -259,8 +259,8 @@ void warnOfFeed(const CutArguments& a, const HapticSummary& s) {
   constexpr double kEnough = 0.9;  // of the plan
   if (a.hand == "feed" && s.is_complete && s.reached_mm3 < kEnough * s.planned_mm3)
     printText(stderr,
-              "kerf: WARNING: fed faster than it can cut: {:.0f} % of what the path asks for are gone, the tool went "
-              "through the rest. Neither forces nor volumes are to be trusted: --hand force, or a slower feed\n",
+              "kerf: WARNING: fed faster than it can cut: the tool removed {:.0f} % of the planned volume and passed "
+              "through the rest. Forces and volumes are not reliable. Use --hand force, or a slower feed\n",
               100 * s.reached_mm3 / s.planned_mm3);
 }
 
@@ -281,8 +281,8 @@ void tell(const PathFindings& found, bool is_adding) {
               found.strokes, is_adding ? "added" : "removed");
   }
   if (const auto& at = found.comes_out_at)
-    printText(stderr, "kerf: the tip comes out of the object on the far side, at ({:.2f}, {:.2f}, {:.2f}) mm\n",
-              at->x(), at->y(), at->z());
+    printText(stderr, "kerf: the tip leaves the object on the far side, at ({:.2f}, {:.2f}, {:.2f}) mm\n", at->x(),
+              at->y(), at->z());
 }
 
 int runByHand(const CutArguments& a, const std::filesystem::path& tool) {
@@ -298,7 +298,7 @@ int runByHand(const CutArguments& a, const std::filesystem::path& tool) {
   if (!cut) return complain(cut.error());
 
   if (cut->left_region_unused)
-    printText(stderr, "kerf: the case's fine region is not used by --hand: cut on the object's voxels, {} mm\n",
+    printText(stderr, "kerf: --hand does not use the case's fine region: cut on the object's voxels, {} mm\n",
               cut->manifest.voxel_mm);
   tell(warningsOf(cut->manifest));
   warnOfNeighbours(a, cut->summary);
@@ -310,8 +310,8 @@ int runByHand(const CutArguments& a, const std::filesystem::path& tool) {
   constexpr double kInside = 0.2;  // mm; less is a tool that leans on the surface
   if (cut->summary.began_inside_mm > kInside)
     printText(stderr,
-              "kerf: WARNING: the path begins inside tissue, by {:.2f} mm or more, from where the tool is thrown out: "
-              "its force says nothing. Begin it in air, as with a plunge\n",
+              "kerf: WARNING: the path begins {:.2f} mm or more inside tissue. The tissue pushes the tool out, and the "
+              "force is meaningless. Begin the path in air, for example with a plunge\n",
               cut->summary.began_inside_mm);
   if (a.json)
     printJson(cutJson(a, *cut));
@@ -331,7 +331,7 @@ std::string mergedLine(const RunManifest& m) {
 
 // Reference of the volumes after continuing a run.
 std::string earlierLine(const RunManifest& m) {
-  if (!m.begin_sha256.empty()) return "since the run that this one goes on from:\n";
+  if (!m.begin_sha256.empty()) return "since the run that this one continues:\n";
   if (m.earlier.empty()) return {};
   return fmt::format("with {} along other paths before it:\n", counted(m.earlier.size(), "cut"));
 }
@@ -341,7 +341,7 @@ void tellOfNeighbours(const CutArguments& a, const RunManifest& m) {
   for (std::size_t n = 0; n < m.beside.size(); ++n) {
     const RunManifest::Beside& other = m.beside[n];
     if (other.removed_now_mm3 <= kUnchanged) continue;
-    printText(stderr, "kerf: {} ({}) was cut: {:.4f} mm3. Its mesh: kerf export {} --beside {} -o FILE\n",
+    printText(stderr, "kerf: {} ({}): {:.4f} mm3 removed. Export its mesh: kerf export {} --beside {} -o FILE\n",
               neighbourId(n + 1), other.case_path, other.removed_now_mm3, a.output, n + 1);
   }
 }
@@ -364,11 +364,10 @@ int runGeometry(const CutArguments& a, const std::filesystem::path& tool) {
   if (!m) return complain(m.error());
 
   if (m->beyond_region_mm > 0)
-    printText(
-        stderr,
-        "kerf: the cut reaches {:.2f} mm out of the case's fine region: cut on the object's voxels, {} mm. For the "
-        "fine ones bake with a larger --fine-radius\n",
-        m->beyond_region_mm, m->voxel_mm);
+    printText(stderr,
+              "kerf: the cut reaches {:.2f} mm out of the case's fine region: cut on the object's voxels, {} mm. To "
+              "use the fine voxels, bake with a larger --fine-radius\n",
+              m->beyond_region_mm, m->voxel_mm);
   tell(warningsOf(*m));
   tellOfNeighbours(a, *m);
   double removed = 0;
@@ -379,8 +378,8 @@ int runGeometry(const CutArguments& a, const std::filesystem::path& tool) {
   warnOfTool(a, tool, m->voxel_mm, removed < kUnchanged && all_idle && !is_thin);
   if (is_thin)
     printText(stderr,
-              "kerf: WARNING: the cut is thinner than the voxels: about {:.2g} mm3 go from the exported mesh, none is "
-              "counted here; bake with smaller voxels\n",
+              "kerf: WARNING: the cut is thinner than the voxels: the exported mesh loses about {:.2g} mm3, this "
+              "report counts none. Bake with smaller voxels\n",
               m->thin_mm3);
   tell(m->findings, false);
   warnOfSmallCut(removed, m->voxel_mm);
@@ -424,12 +423,11 @@ int runCut(const CutArguments& a) {
 // ---- Options
 
 constexpr const char* kFooter =
-    "Without --hand: geometry only, the cutting part removes whatever it sweeps.\n"
+    "Without --hand: geometry only; the cutting part removes its swept volume.\n"
     "With --hand: a virtual hand holds the tool against resistance, in steps of 1 ms. Tissues differ, force decides\n"
     "how fast the tool cuts, neck, shank and flanks collide. The run then also holds forces.csv and summary.json.\n"
-    "A RUN that has ended is gone on from: its pieces are where they were put, what stood beside it stands there "
-    "again.\n"
-    "With --beside: the tool also meets further teeth, as they stand in the scan's frame.\n"
+    "With a RUN: continues an ended run, with its pieces and neighbours at their last positions.\n"
+    "With --beside: the tool also touches the neighbours, at their scan positions.\n"
     "Examples:\n"
     "  kerf cut molar.case --tool round-014 --path cavity.toml -o molar.run\n"
     "  kerf cut molar.case --tool round-014 --path cavity.toml --hand force --push 1.5 -o molar.run\n"
@@ -439,23 +437,23 @@ constexpr const char* kFooter =
 void addOptionsOfAnyHand(CLI::App& command, HapticCutOptions& haptic) {
   auto* group = command.add_option_group("With --hand");
   group->add_option("--drive", haptic.drive, handpieceHelp())->check(CLI::IsMember(handpiecesByName()));
-  group->add_option("--spindle", haptic.spindle, "speed, 0 to 1 of the tool's nominal one")->capture_default_str();
+  group->add_option("--spindle", haptic.spindle, "spindle speed, 0 to 1 of the tool's nominal speed")
+      ->capture_default_str();
   group->add_flag("--reverse", haptic.is_reversed,
-                  "turn the tool backwards, as a motor can: diamonds cut as ever, blades and drills only rub");
-  group->add_option("--irrigation", haptic.irrigation, "cooling spray, 0 (dry) to 1")->capture_default_str();
-  group->add_option(
-      "--add", haptic.add,
-      "id of a material, such as composite: the tool adds it where it goes, instead of cutting; of several "
-      "pieces to the largest");
+                  "reverse the drive of a motor: diamonds still cut, blades and drills only rub");
+  group->add_option("--irrigation", haptic.irrigation, "irrigation, 0 (dry) to 1")->capture_default_str();
+  group->add_option("--add", haptic.add,
+                    "add this material along the path instead of cutting: a material id such as composite; with "
+                    "several pieces, to the largest");
   group
       ->add_option("--beside", haptic.beside,
-                   "a further case of the same scan frame, such as the neighbouring tooth: the tool collides with it "
-                   "and cuts it, and its distance from it is measured; repeat for several")
+                   "a neighbour, such as the adjacent tooth: a case in the same scan frame. The tool collides with it "
+                   "and cuts it, and the run records the distance to it; repeat for several")
       ->expected(1)
       ->allow_extra_args(false)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   group->add_flag("--sound", haptic.with_sound, "also write sound.wav, the sound of the tool");
-  group->add_option("--time-limit", haptic.time_limit, "simulated time after which to stop, s")->capture_default_str();
+  group->add_option("--time-limit", haptic.time_limit, "longest simulated time, s")->capture_default_str();
 }
 
 void addOptionsOfOneHand(CLI::App& command, CutArguments& a) {
@@ -466,15 +464,14 @@ void addOptionsOfOneHand(CLI::App& command, CutArguments& a) {
 
   auto* force = command.add_option_group("With --hand force");
   force->add_option("--push", a.haptic.force.force, "force on the tool, 0.01 to 8 N")->capture_default_str();
-  force->add_option("--feed-limit", a.haptic.force.feed_limit, "no faster than this, mm/s")->capture_default_str();
-  force->add_option("--patience", a.haptic.force.patience, "s without progress until it gives up")
-      ->capture_default_str();
+  force->add_option("--feed-limit", a.haptic.force.feed_limit, "highest speed, mm/s")->capture_default_str();
+  force->add_option("--patience", a.haptic.force.patience, "longest time without progress, s")->capture_default_str();
 
   DeviceHand::Options& d = a.haptic.device;
   auto* device = command.add_option_group("With --hand device");
   device
       ->add_option("--coupling", a.haptic.step.coupling.stiffness,
-                   "stiffness of the virtual coupling, N/mm; less where the device could not hold it")
+                   "stiffness of the virtual coupling, N/mm; Kerf lowers it if the device cannot hold it")
       ->capture_default_str();
   device->add_option("--device-mass", d.mass_kg, "kg")->capture_default_str();
   device->add_option("--device-damping", d.damping, "N s/mm")->capture_default_str();
@@ -491,9 +488,8 @@ void addCut(CLI::App& command, int& exit_code) {
   auto a = std::make_shared<CutArguments>();
   command.footer(kFooter);
   command
-      .add_option(
-          "CASE", a->case_folder,
-          "case folder, or a run that has ended: the new run goes on from it and holds all that was cut in both")
+      .add_option("CASE", a->case_folder,
+                  "case folder, or an ended run: the new run continues it and holds the cuts of both")
       ->type_name("CASE|RUN")
       ->required();
   command.add_option("--tool", a->tool, "tool id (kerf tool list) or a tool's TOML file")->required();
@@ -517,7 +513,7 @@ void addCut(CLI::App& command, int& exit_code) {
   addOptionsOfAnyHand(command, a->haptic);
   addOptionsOfOneHand(command, *a);
   addCasePlaces(command);
-  command.add_flag("--json", a->json, "summary as JSON on standard output");
+  command.add_flag("--json", a->json, "print the summary as JSON on standard output");
 
   command.callback([a, &command, &exit_code] {
     const auto wrong = misplaced(command, a->hand);

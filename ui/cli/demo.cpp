@@ -63,11 +63,11 @@ void add(CLI::App& parent, const std::string& name, const std::string& sentence,
   CLI::App* c = parent.add_subcommand(name, sentence);
   c->footer(fmt::format("Example: kerf demo {0} -o {0}", name));
   c->add_option("-o,--output", a->output, "folder to write")->required();
-  c->add_option("--coarseness", a->detail, "edges of the triangles are this many times as long")
+  c->add_option("--coarseness", a->detail, "scale factor of the triangle edges")
       ->capture_default_str()
       ->check(CLI::Range(0.5, 4.0));
-  addOverwrite(*c, a->overwrite, "replace a folder that holds such a model");
-  if (model == arch) c->add_option("--seed", a->seed, "of noise, rim and faults")->capture_default_str();
+  addOverwrite(*c, a->overwrite, "replace an existing folder of such a model");
+  if (model == arch) c->add_option("--seed", a->seed, "random seed of noise, rim and faults")->capture_default_str();
   c->callback([a, model, &exit_code] { exit_code = runDemo(*a, model); });
 }
 

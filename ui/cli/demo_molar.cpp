@@ -37,7 +37,7 @@ void addDemoMolar(CLI::App& command, int& exit_code) {
   command.add_option("--edge", a->edge_mm, "edge length of the triangles [mm]")
       ->capture_default_str()
       ->check(CLI::Range(0.08, 1.0));
-  addOverwrite(command, a->overwrites, "replace a file that is there");
+  addOverwrite(command, a->overwrites, "replace an existing file");
   command.callback([a, &exit_code] { exit_code = runDemoMolar(*a); });
 }
 

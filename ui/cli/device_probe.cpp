@@ -54,8 +54,7 @@ class Ear {
     if (!options.json)
       printText("written: {} ({})\n", options.record, counted(tape_.recording().reports.size(), "report"));
     if (tape_.lost() > 0)
-      printText(stderr, "kerf: {}: {} more, which no recording holds: it is full\n", options.record,
-                counted(tape_.lost(), "report"));
+      printText(stderr, "kerf: {}: the recording is full, {} lost\n", options.record, counted(tape_.lost(), "report"));
     return kOk;
   }
 
@@ -69,8 +68,8 @@ int complainOfUnplugged(const std::string& path) {
   return complain({.code = Error::Code::kNotFound,
                    .file = path,
                    .found = "the device was unplugged",
-                   .expected = "it to stay",
-                   .hint = "plug it in and begin again"});
+                   .expected = "a connected device",
+                   .hint = "plug the device in and start again"});
 }
 
 // ---- Devices with axes
@@ -92,7 +91,7 @@ bool watch(HidDevice& device, const ProbeOptions& options) {
       last = text;
     }
     if (!has_warned && watch.seconds() > 2 && !has_come) {
-      printText(stderr, "kerf: {}: nothing has come for 2 s; move it. Another driver may have taken it.\n",
+      printText(stderr, "kerf: {}: no data for 2 s. Move the device. Another driver may be using it.\n",
                 device.what().path());
       has_warned = true;
     }
@@ -162,14 +161,14 @@ bool watchArm(const ForceArm& arm, const ProbeOptions& options, LastHand& out) {
       out.age_ms = ageMs(counts);
     }
     std::string text = counts.is_talking ? textOf(out.hand, out.velocity) : "silent: " + counts.trouble;
-    if (counts.refused > 0) text += fmt::format(", {} refused: {}", counts.refused, counts.last_fault);
+    if (counts.refused > 0) text += fmt::format(", {} rejected: {}", counts.refused, counts.last_fault);
     if (prints && out.has_come && text != last) {
       printText("{:8.3f} s  {}, {:.1f} ms old\n", watch.seconds(), text, out.age_ms);
       std::fflush(stdout);
       last = text;
     }
     if (!has_warned && watch.seconds() > 2 && !out.has_come) {
-      printText(stderr, "kerf: {}: nothing has come for 2 s; {}\n", arm.what(), counts.trouble);
+      printText(stderr, "kerf: {}: no data for 2 s; {}\n", arm.what(), counts.trouble);
       has_warned = true;
     }
     std::this_thread::sleep_for(kBetweenLines);
@@ -178,11 +177,11 @@ bool watchArm(const ForceArm& arm, const ProbeOptions& options, LastHand& out) {
 }
 
 void sayHow(const ArmCounts& counts, const TimeHistogram& gaps) {
-  printText("{} of the hand, {} refused", counted(counts.hands, "message"), counts.refused);
+  printText("{} from the hand, {} rejected", counted(counts.hands, "message"), counts.refused);
   if (gaps.count() > 0)
-    printText("; apart {:.2f} ms in the middle, p99 {:.2f} ms, {:.2f} ms at most", gaps.percentileMs(0.5),
-              gaps.percentileMs(0.99), gaps.maxMs());
-  printText("; {} told the arm that there is no force\n", counted(counts.forces, "message"));
+    printText("; interval p50 {:.2f} ms, p99 {:.2f} ms, max {:.2f} ms", gaps.percentileMs(0.5), gaps.percentileMs(0.99),
+              gaps.maxMs());
+  printText("; {} sent to the arm, all without force\n", counted(counts.forces, "message"));
 }
 
 // @param id  of the device, for the recording: "cafe:4004 RawHID arm"; empty: the arm's own name.
@@ -251,7 +250,7 @@ int printHands(const DeviceRecording& recording, bool json) {
   HandSpeed speed;
   nlohmann::json list = nlohmann::json::array();
   if (!json)
-    printText("{}, driver {}: {}, {} of the hand, {} refused\n", recording.device, recording.arm,
+    printText("{}, driver {}: {}, {} from the hand, {} rejected\n", recording.device, recording.arm,
               counted(recording.reports.size(), "message"), replayed.hands.size(), replayed.refused);
   for (const RecordedHand& next : replayed.hands) {
     const Vec3d velocity = speed.at(next.time_us, next.hand);

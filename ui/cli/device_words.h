@@ -11,7 +11,8 @@
 namespace kerf::cli {
 
 inline constexpr const char* kMayNotOpen =
-    "this user may not open it: run scripts/setup --udev (udev rule 70-kerf-hid.rules), then plug it out and in";
+    "no permission to open it: run scripts/setup --udev (udev rule 70-kerf-hid.rules), then unplug the device and plug "
+    "it in again";
 
 /// "046d:c626".
 std::string idOf(const HidInfo& info);

@@ -64,7 +64,7 @@ int sayCouplings(const DevicesArguments& a) {
     own.delay_s = a.delay_ms / 1000;
     show("device", own);
   } else {
-    if (!a.json) printText("Numbers as such devices have them, not measured on any: delay, mass, friction, encoder.\n");
+    if (!a.json) printText("Typical numbers of such devices, not measured: delay, mass, friction, encoder.\n");
     for (const TypicalDevice& device : typicalDevices()) show(device.name, device.profile);
   }
   if (a.json) printJson(list);
@@ -86,7 +86,7 @@ int listDevices(const DevicesArguments& a) {
     printJson(list);
     return kOk;
   }
-  if (devices.empty()) printText("no device that a driver knows is plugged in\n");
+  if (devices.empty()) printText("no supported device is plugged in\n");
   for (const FoundDevice& found : devices) {
     printText("{}: {}, {}\n", found.path(), found.name, found.driver->people);
     printText("  id {}, serial {}, driver {}", idOf(found.interfaces.front()),
@@ -110,23 +110,23 @@ int runDevices(const DevicesArguments& a) {
 void addDevices(CLI::App& command, int& exit_code) {
   auto a = std::make_shared<DevicesArguments>();
   command.footer(
-      "Without options: what is plugged in and known to a driver, with its path and serial number. None was ever\n"
-      "tried on hardware: a recording of yours helps (--record), it holds the reports of the device and nothing else.\n"
+      "Without options: lists the supported devices that are plugged in, with path and serial number. No driver was\n"
+      "tested on hardware: your recording helps (--record). It holds only the reports of the device.\n"
       "With a profile or --typical: the coupling that a force-feedback device can hold. One that is too stiff makes "
       "it\n"
       "tremble, or worse. The law: docs/how-it-works/step.md.\n"
-      "--probe and --record take an arm as kerf live does, too: bridge[:PORT]; it is given no force.\n"
-      "The window reads gamepads and joysticks; they are not listed here.\n"
+      "--probe and --record also take an arm, as kerf live does: bridge[:PORT]; they send no force.\n"
+      "Only the window reads gamepads and joysticks.\n"
       "Examples: kerf devices --probe --for 10\n"
       "          kerf devices bridge --record arm.txt, then kerf live --device replay:arm.txt ...\n"
       "          kerf devices /dev/hidraw3 --record mine.txt\n"
       "          kerf devices --delay 1.5 --mass 0.07 --friction 0.26 --encoder 0.055");
   CLI::Option* const device =
-      command.add_option("DEVICE", a->device, "its path or serial number, or bridge[:PORT]; default: the only one");
-  CLI::Option* const probe = command.add_flag("--probe", a->wants_probe, "print what it says, as it changes");
-  CLI::Option* const record = command.add_option("--record", a->record, "write its reports into this text file");
+      command.add_option("DEVICE", a->device, "path or serial number, or bridge[:PORT]; default: the only device");
+  CLI::Option* const probe = command.add_flag("--probe", a->wants_probe, "print its reports when they change");
+  CLI::Option* const record = command.add_option("--record", a->record, "write its reports to this text file");
   CLI::Option* const replay =
-      command.add_option("--replay", a->replay, "print what the reports of such a file say")->excludes(probe);
+      command.add_option("--replay", a->replay, "print the reports of such a file")->excludes(probe);
   replay->excludes(record)->excludes(device);
   command.add_option("--for", a->seconds, "how long to probe or record, s; 0: until Ctrl-C")
       ->check(CLI::Range(0.0, 1e5));
@@ -137,13 +137,13 @@ void addDevices(CLI::App& command, int& exit_code) {
     return command.add_option(name, value, what)->check(CLI::Range(low, high))->capture_default_str();
   };
   std::vector<CLI::Option*> own;
-  own.push_back(number("--delay", a->delay_ms, "from a sample to its force at the motors, ms", 0, 50));
-  own.push_back(number("--mass", a->profile.mass_kg, "that the hand moves at the tip, kg", 0.001, 10));
-  own.push_back(number("--friction", a->profile.friction, "of the device at the tip, N", 0, 10));
-  own.push_back(number("--encoder", a->profile.encoder_mm, "step of its position at the tip, mm; 0: perfect", 0, 1));
-  CLI::Option* const coupling = number("--coupling", a->wanted, "stiffness that is wanted, N/mm", 0.01, 100);
+  own.push_back(number("--delay", a->delay_ms, "delay from a sample to its force at the motors, ms", 0, 50));
+  own.push_back(number("--mass", a->profile.mass_kg, "mass that the hand moves at the tip, kg", 0.001, 10));
+  own.push_back(number("--friction", a->profile.friction, "friction of the device at the tip, N", 0, 10));
+  own.push_back(number("--encoder", a->profile.encoder_mm, "encoder step at the tip, mm; 0: perfect", 0, 1));
+  CLI::Option* const coupling = number("--coupling", a->wanted, "wanted stiffness, N/mm", 0.01, 100);
   for (CLI::Option* option : own) option->excludes(typical);
-  command.add_flag("--json", a->json, "as JSON on standard output");
+  command.add_flag("--json", a->json, "print JSON on standard output");
   command.callback([a, own, coupling, &exit_code] {
     for (const CLI::Option* option : own) a->is_own = a->is_own || option->count() > 0;
     if (coupling->count() > 0 && !a->is_own) a->wants_typical = true;

@@ -102,7 +102,9 @@ Expected<void> warnOfExportNeighbours(const std::string& bundle) {
   KERF_TRY(manifest, readRunManifest(bundle));
   for (std::size_t n = 1; n <= manifest.beside.size(); ++n)
     if (const RunManifest::Beside& other = manifest.beside[n - 1]; other.removed_mm3 > 0)
-      printText(stderr, "kerf: {:.4f} mm3 were cut off {}, too; not in this mesh: kerf export {} --beside {} -o FILE\n",
+      printText(stderr,
+                "kerf: {:.4f} mm3 were also removed from {}, which this mesh does not include. Export it: kerf export "
+                "{} --beside {} -o FILE\n",
                 other.removed_mm3, other.case_path, bundle, n);
   return {};
 }
@@ -120,12 +122,10 @@ void warnOfLedger(const std::string& bundle, const PostOpReport& mesh) {
   const double of_grid_mm3 =
       2 * volumeUncertainty(manifest->voxel_mm);  // half a voxel each of the mesh and of the ledger
   if (counted_mm3 > 0 && std::abs(apart) > std::max(of_grid_mm3, kMostApart * counted_mm3))
-    printText(
-        stderr,
-        "kerf: WARNING: while it was cut {:.4f} mm3 were counted, the mesh lacks {:.4f} ({:+.0f} %): what cuts of "
-        "{} is too thin for voxels of {:g} mm, or was fed through what it did not cut. Bake finer, or feed "
-        "slower\n",
-        counted_mm3, in_mesh_mm3, 100 * apart / counted_mm3, manifest->tool_id, manifest->voxel_mm);
+    printText(stderr,
+              "kerf: WARNING: the run counted {:.4f} mm3, the mesh lacks {:.4f} ({:+.0f} %): the cutting part of {} is "
+              "too thin for voxels of {:g} mm, or the feed was too fast. Bake with smaller voxels, or feed slower\n",
+              counted_mm3, in_mesh_mm3, 100 * apart / counted_mm3, manifest->tool_id, manifest->voxel_mm);
 }
 
 void warnOfSmallCut(const std::string& bundle, const PostOpReport& mesh) {
@@ -185,7 +185,7 @@ void printExportVolumes(const PostOpMesh& result, bool is_case) {
   printText("removed {:.4f} mm3 of {:.4f} mm3; {}\n", r.removed_volume_mm3, r.source_volume_mm3, pieces);
   if (has_added) printText("added {:.4f} mm3\n", r.added_volume_mm3);
   printText("vertices of the solid: {} kept bit for bit, {} inside {}; {} of {} triangles are {}\n",
-            r.source_vertices_kept, r.source_vertices_removed, has_added ? "what was cut or added" : "the cut",
+            r.source_vertices_kept, r.source_vertices_removed, has_added ? "the cut and the added volume" : "the cut",
             r.cut_triangles, result.mesh.triangles.size(), has_added ? "new" : "cut faces");
 }
 
@@ -197,11 +197,10 @@ void printExport(const ExportArguments& a, const std::vector<Output>& outputs, c
     printText(
         "cut walls lie {:.1f} um rms, {:.1f} um at most from the exact sweep of the tool ({} vertices measured)\n",
         1e3 * w.rms_mm, 1e3 * w.max_mm, w.vertices);
-  if (!result.accuracy_missing.empty()) printText("the cut walls could not be measured: {}\n", result.accuracy_missing);
+  if (!result.accuracy_missing.empty()) printText("cannot measure the cut walls: {}\n", result.accuracy_missing);
 
   const PostOpReport& r = result.post_op.report;
-  if (r.cavities > 0)
-    printText("Cavities are shut in: a printer that works in resin or powder leaves some of it there.\n");
+  if (r.cavities > 0) printText("Closed cavities: a resin or powder printer leaves material in them.\n");
   if (r.crumbs_dropped)
     printText("dropped {} below {:.2g} mm3, {:.6f} mm3 together\n", counted(r.crumbs_dropped, "crumb"), r.crumb_mm3,
               r.crumbs_volume_mm3);
@@ -243,8 +242,8 @@ Expected<std::vector<std::string>> namesOfOutputs(const ExportArguments& a) {
       return fail({.code = Error::Code::kWriteFailed,
                    .file = path,
                    .found = failed.message(),
-                   .expected = "a folder that can be made",
-                   .hint = "another place for -o"});
+                   .expected = "a folder that Kerf can create",
+                   .hint = "choose another path for -o"});
     const fs::path bundle = (fs::path(a.bundle) / ".").lexically_normal().parent_path();
     out.push_back((fs::path(path) / bundle.stem().concat(".stl")).string());
   }
@@ -302,18 +301,16 @@ void addExport(CLI::App& command, int& exit_code) {
       ->expected(1)
       ->allow_extra_args(false)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  command
-      .add_option("--beside", a->beside,
-                  "instead of the case that was cut: the N-th case that stood beside it (kerf cut --beside)")
+  command.add_option("--beside", a->beside, "export the N-th neighbour (kerf cut --beside) instead of the case")
       ->check(CLI::PositiveNumber);
   command
       .add_option("--piece", a->piece,
-                  "of an object that came apart: a piece, by number or name; all: a file each, "
-                  "NAME-PIECE.stl, in the folder of NAME.stl, or in a folder that -o names")
+                  "export one piece of a split object, by number or name; all: one file per piece, NAME-PIECE.stl, in "
+                  "the folder of NAME.stl or in the folder of -o")
       ->type_name("N|NAME|all");
-  command.add_flag("--put-back", a->is_put_back, "pieces where they were in the scan, not where they were moved to");
-  addOverwrite(command, a->overwrites, "replace files that are there");
-  command.add_flag("--json", a->json, "summary as JSON on standard output");
+  command.add_flag("--put-back", a->is_put_back, "export pieces at their scan positions, not where they were moved");
+  addOverwrite(command, a->overwrites, "replace existing files");
+  command.add_flag("--json", a->json, "print the summary as JSON on standard output");
   addCasePlaces(command);
   command.callback([a, &exit_code] { exit_code = runExport(*a); });
 }

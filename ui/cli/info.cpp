@@ -273,9 +273,9 @@ int runInfo(const InfoArguments& a) {
   if (a.replays)
     return complainOfUsage({.code = Error::Code::kBadValue,
                             .place = "--replay",
-                            .found = "\"" + a.what + "\", which is no run",
+                            .found = "\"" + a.what + "\", not a run",
                             .expected = "a run folder",
-                            .hint = "leave --replay out"});
+                            .hint = "omit --replay"});
   const auto info = infoOf(a.what);
   if (!info) return complain(info.error());
   if (a.json)
@@ -294,11 +294,10 @@ void addInfo(CLI::App& command, int& exit_code) {
       .add_option("PATH", a->what,
                   "mesh file, label volume (file or folder of slices), case folder, run folder, tool file or tool id")
       ->required();
-  command.add_flag("--json", a->json, "as JSON on standard output");
-  command.add_flag(
-      "--replay", a->replays,
-      "of a session: replay its log for distances to what stood beside, and for all peaks of one without a summary; "
-      "takes about a quarter of its time");
+  command.add_flag("--json", a->json, "print JSON on standard output");
+  command.add_flag("--replay", a->replays,
+                   "for a session: replay its log for distances to neighbours, and for all peaks if it has no summary; "
+                   "takes about a quarter of the session time");
   addCasePlaces(command);
   command.callback([a, &exit_code] { exit_code = runInfo(*a); });
 }

@@ -60,13 +60,13 @@ Expected<HandFrame> waitForHand(const ForceArm& device, double most_s) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   const ArmCounts counts = device.counts();
-  return fail({.code = Error::Code::kNotFound,
-               .place = device.what(),
-               .found = counts.refused > 0
-                            ? fmt::format("{} frames that are none: {}", counts.refused, counts.last_fault)
-                            : fmt::format("no hand in {:g} s", most_s),
-               .expected = "a device or a bridge that sends where its hand is",
-               .hint = counts.trouble + "; a bridge to try: kerf-bridge-simulated (docs/reference/device-bridge.md)"});
+  return fail(
+      {.code = Error::Code::kNotFound,
+       .place = device.what(),
+       .found = counts.refused > 0 ? fmt::format("{} malformed frames: {}", counts.refused, counts.last_fault)
+                                   : fmt::format("no hand in {:g} s", most_s),
+       .expected = "a device or a bridge that sends its pose",
+       .hint = counts.trouble + "; to try a bridge, start kerf-bridge-simulated (docs/reference/device-bridge.md)"});
 }
 
 // Runs the session and reports when the hand comes and goes. Clears a latch some time after the hand is back.
@@ -88,7 +88,7 @@ void follow(LiveRun& run, const ForceArm& device, const LiveArguments& a) {
     if (!is_talking) last_away = now;
     if (is_talking != was_talking && !a.json)
       printText("{:8.3f} s  {}\n", duration<double>(now - began).count(),
-                is_talking ? "the hand is back" : "the hand is gone: no force");
+                is_talking ? "the hand is back" : "no data from the hand: force off");
     was_talking = is_talking;
     const bool is_back = duration<double>(now - last_away).count() > kBack;
     if (run.thread().report().is_latched && is_back) {
@@ -117,8 +117,8 @@ int say(const LiveArguments& a, const RunManifest& manifest, const HapticReport&
   }
   printText("cut for {:.3f} s with {}; removed {:.4f} mm3; state {}\n", manifest.duration_s, manifest.tool_id, removed,
             manifest.state_hash);
-  printText("frames: {} of the hand, {} refused, {} too old; {} of force\n", counts.hands, counts.refused, counts.old,
-            counts.forces);
+  printText("frames: {} from the hand, {} rejected, {} too old; {} with force\n", counts.hands, counts.refused,
+            counts.old, counts.forces);
   printText("run written: {}\n", a.run_folder);
   return kOk;
 }
@@ -185,35 +185,36 @@ void addLive(CLI::App& command, int& exit_code) {
   auto a = std::make_shared<LiveArguments>();
   command.footer(
       "A bridge is a small program for a device, which sends its pose to a port of 127.0.0.1 and gets its force\n"
-      "(docs/reference/device-bridge.md); other machines are refused. All devices: docs/reference/devices.md. None "
-      "was\n"
-      "at hand to try: simulated arms alone were. Keep a hand on its switch.\n"
+      "(docs/reference/device-bridge.md). Kerf rejects other machines. All devices: docs/reference/devices.md.\n"
+      "Tested with simulated arms only: keep a hand on the switch of the device.\n"
       "Button 1 is the pedal; while button 2 is held the hand moves and the tool stays.\n"
-      "Ctrl-C ends the session, whose run replays and exports as any other.\n"
+      "Ctrl-C ends the session and writes its run, for replay and export.\n"
       "Example: kerf live molar.case --tool round-014 --start 0,0,9 -o molar.run\n"
       "         kerf-bridge-simulated                                    (in another terminal, to try)");
   command.add_option("CASE", a->case_folder, "case folder")->required();
   command.add_option("--tool", a->tool, "tool id (kerf tool list) or a tool's TOML file")->required();
   command.add_option("-o,--output", a->run_folder, "run folder to write")->required();
-  command.add_option("--start", a->start, "X,Y,Z in mm: where the hand finds the tip of the tool, upright")->required();
+  command.add_option("--start", a->start, "start position of the tool tip, X,Y,Z in mm; the tool is upright")
+      ->required();
   command.add_option("--device", a->device, "bridge, bridge:PORT; replay:FILE; path or serial number of an arm")
       ->capture_default_str();
   const auto number = [&](const char* name, double& value, const char* what, double low, double high) {
     command.add_option(name, value, what)->check(CLI::Range(low, high))->capture_default_str();
   };
-  number("--for", a->seconds, "how long, s; 0: until Ctrl-C", 0, 1e5);
-  number("--wait", a->wait_s, "how long to wait for the hand, s", 0.1, 1e5);
-  number("--force", a->force, "most force, N; never more than the device says it can", 0.1, 20);
-  number("--scale", a->scale, "mm of the scene for a mm of the hand", 0.05, 5);
-  number("--turn", a->turn_deg, "of the device about the scene's z axis, degrees", -360, 360);
+  number("--for", a->seconds, "duration, s; 0: until Ctrl-C", 0, 1e5);
+  number("--wait", a->wait_s, "longest wait for the hand, s", 0.1, 1e5);
+  number("--force", a->force, "force limit, N; at most the limit of the device", 0.1, 20);
+  number("--scale", a->scale, "mm of the scene per mm of the hand", 0.05, 5);
+  number("--turn", a->turn_deg, "rotation of the device about the scene's z axis, degrees", -360, 360);
   number("--delay", a->delay_ms,
-         "of the device alone, from a sample to its force at the motors, ms; 3 for the datagrams are added", 0, 50);
-  number("--mass", a->profile.mass_kg, "of the device at the tip, kg", 0.001, 10);
-  number("--friction", a->profile.friction, "of the device at the tip, N", 0, 10);
-  number("--encoder", a->profile.encoder_mm, "step of its position at the tip, mm; 0: perfect", 0, 1);
-  command.add_flag("--no-force", a->is_forceless, "the device leads the tool and gives no force");
-  command.add_flag("--pedal", a->pedal_is_down, "the drive turns without button 1");
-  command.add_flag("--json", a->json, "as JSON on standard output");
+         "delay of the device alone, from a sample to its force at the motors, ms; Kerf adds 3 for the datagrams", 0,
+         50);
+  number("--mass", a->profile.mass_kg, "mass of the device at the tip, kg", 0.001, 10);
+  number("--friction", a->profile.friction, "friction of the device at the tip, N", 0, 10);
+  number("--encoder", a->profile.encoder_mm, "encoder step at the tip, mm; 0: perfect", 0, 1);
+  command.add_flag("--no-force", a->is_forceless, "the device controls the tool without force");
+  command.add_flag("--pedal", a->pedal_is_down, "run the drive without button 1");
+  command.add_flag("--json", a->json, "print JSON on standard output");
   command.callback([a, &exit_code] { exit_code = runLive(*a); });
 }
 

@@ -180,9 +180,9 @@ Error nothingThere(const PickArguments& a, const Place& place, const Camera& vie
           .file = a.scene,
           .place = fmt::format("at {} in the view {}", place.asked, a.view),
           .found = "nothing",
-          .expected = fmt::format("a place on the object, which is seen from {:.2f} to {:.2f} mm to the right and "
-                                  "from {:.2f} to {:.2f} mm up",
-                                  seen.min.x(), seen.max.x(), seen.min.y(), seen.max.y()),
+          .expected = fmt::format(
+              "a point on the object, which covers {:.2f} to {:.2f} mm to the right and {:.2f} to {:.2f} mm up",
+              seen.min.x(), seen.max.x(), seen.min.y(), seen.max.y()),
           .hint = fmt::format("kerf-sim --screenshot OUT.png --view {} --up {} {}", a.view, a.up, a.scene)};
 }
 
@@ -201,7 +201,7 @@ json toJson(const Place& place, const Found& found) {
 int runPick(const PickArguments& a) {
   if (a.at.empty() && a.pixels.empty())
     return complainOfUsage({.code = Error::Code::kBadValue,
-                            .found = "no place to look at",
+                            .found = "no place given",
                             .expected = "--at X,Y or --pixel U,V",
                             .hint = "--at 0,0"});
   auto view = cameraFromView(a.view);
@@ -221,14 +221,13 @@ int runPick(const PickArguments& a) {
   json rows = json::array();
   std::string text = scene->note.empty() ? "" : scene->note + "\n";
   if (a.up == "auto" && !view->upright.isIdentity())
-    text +=
-        fmt::format("seen with {} up, where the scan's occlusal side is; --up +z takes it as stored\n", nameOfAxis(up));
+    text += fmt::format("seen with {} up, the occlusal side of the scan; --up +z takes it as stored\n", nameOfAxis(up));
   for (const Place& place : *places) {
     const auto found = look(*scene, *view, place, nearest + 1);
     if (!found) return complain(nothingThere(a, place, *view, scene->mesh));
     rows.push_back(toJson(place, *found));
     text += textOf(found->readout);
-    if (found->from_behind) text += "; SEEN FROM BEHIND: the scan is open there, or inside out";
+    if (found->from_behind) text += "; SEEN FROM BEHIND: the scan is open there or inside out";
     text += '\n';
   }
   json all{{"view", a.view}, {"up", nameOfAxis(up)}, {"points", std::move(rows)}};
@@ -245,32 +244,31 @@ int runPick(const PickArguments& a) {
 void addPick(CLI::App& command, int& exit_code) {
   auto a = std::make_shared<PickArguments>();
   command.footer(
-      "A length in the view is one in mm: --at counts to the right and up in it, from the scan's origin. Seen from the "
-      "top, with +z up, these are x and y. The row of a path (--json) holds a tool there that points along the view. "
-      "--pixel counts "
-      "in a picture that kerf-sim --screenshot draws with the same view and "
-      "size.\n"
+      "--at gives mm to the right and up in the view, from the scan's origin. From the top with +z up, these are x and "
+      "y. The path row of --json puts a tool there, along the viewing direction. --pixel refers to a picture of "
+      "kerf-sim --screenshot with the same view and size.\n"
       "Example: kerf pick molar.case --view top --at 1.2,-0.4");
   command.add_option("SCENE", a->scene, "mesh, case or run; meshes: " + readableFormats())->required();
   command
-      .add_option("--view", a->view,
-                  "where it is looked at from: front, back, left, right, top (or occlusal), bottom, iso, or AZ,EL in "
-                  "degrees, as kerf-sim --view")
+      .add_option(
+          "--view", a->view,
+          "view: front, back, left, right, top (or occlusal), bottom, iso, or AZ,EL in degrees, as kerf-sim --view")
       ->type_name("NAME")
       ->capture_default_str();
-  command.add_option("--up", a->up, "the side that is up, as kerf-sim --up")->type_name("AXIS")->capture_default_str();
+  command.add_option("--up", a->up, "side that is up, as kerf-sim --up")->type_name("AXIS")->capture_default_str();
   command.add_option("--at", a->at, "mm to the right and up in the view; may be repeated")
       ->type_name("X,Y")
       ->allow_extra_args(false);
-  command.add_option("--pixel", a->pixels, "of a picture, from its left and upper edge; may be repeated")
+  command.add_option("--pixel", a->pixels, "pixel of a picture, from its left and upper edge; may be repeated")
       ->type_name("U,V")
       ->allow_extra_args(false);
-  command.add_option("--size", a->size, "pixels of that picture")->type_name("WxH")->capture_default_str();
-  command.add_option("--unit", a->unit, "of a mesh: mm, cm, m, um or inch (default: as it says, or by its size)")
+  command.add_option("--size", a->size, "size of that picture in pixels")->type_name("WxH")->capture_default_str();
+  command
+      .add_option("--unit", a->unit, "unit of a mesh: mm, cm, m, um or inch (default: the declared unit, or by size)")
       ->type_name("UNIT")
       ->check(CLI::IsMember(unitNames()));
   addCasePlaces(command);
-  command.add_flag("--json", a->json, "as JSON on standard output");
+  command.add_flag("--json", a->json, "print JSON on standard output");
   command.callback([a, &exit_code] { exit_code = runPick(*a); });
 }
 

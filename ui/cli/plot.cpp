@@ -51,7 +51,7 @@ std::optional<Error> wrongUsage(const PlotArguments& a) {
                  .place = "--from, --until",
                  .found = fmt::format("{} s, {} s", a.from, a.until),
                  .expected = "--from 0 or later and --until after it",
-                 .hint = "leave one of them out"};
+                 .hint = "omit one of them"};
   return {};
 }
 
@@ -91,19 +91,19 @@ int runPlot(const PlotArguments& a) {
 void addPlot(CLI::App& command, int& exit_code) {
   auto a = std::make_shared<PlotArguments>();
   command.footer(
-      "From the run's forces.csv; a session of the window has none, and its log is replayed, in about a quarter of its "
-      "time. A run of geometry alone has no time to show.\n"
+      "Reads the run's forces.csv. A session of the window has none: Kerf replays its log in about a quarter of its "
+      "time. A geometry run has no time to show.\n"
       "Example: kerf plot molar.run -o forces.svg\n"
       "         kerf plot molar.run --show force,distance --from 2 --until 4 -o near.svg");
   command.add_option("RUN", a->run, "run folder: cut with --hand, or a session of the window")->required();
   command.add_option("-o,--output", a->output, "picture to write, SVG")->type_name("FILE.svg")->required();
-  command.add_option("--show", a->show, "what to show, with commas between (default: all that the run has)")
+  command.add_option("--show", a->show, "quantities to show, separated by commas (default: all of the run)")
       ->delimiter(',')
       ->check(CLI::IsMember(panelNames()))
       ->allow_extra_args(false);
-  command.add_option("--from", a->from, "where the chart begins, s")->capture_default_str();
-  command.add_option("--until", a->until, "where it ends, s (default: the end of the run)");
-  addOverwrite(command, a->overwrites, "replace a picture that is there");
+  command.add_option("--from", a->from, "start of the chart, s")->capture_default_str();
+  command.add_option("--until", a->until, "end of the chart, s (default: the end of the run)");
+  addOverwrite(command, a->overwrites, "replace an existing picture");
   addCasePlaces(command);
   command.callback([a, &exit_code] { exit_code = runPlot(*a); });
 }

@@ -30,9 +30,9 @@ int list(const RecoverArguments& a) {
     printText("{}  {:.1f} MB, case {}\n", session.folder.string(), 1e-6 * static_cast<double>(bytesOf(session)),
               session.case_name);
   if (lost.empty())
-    printText("no session whose program is gone in {}\n", (userDataFolder() / "sessions").string());
+    printText("no lost session in {}\n", (userDataFolder() / "sessions").string());
   else
-    printText("kerf recover RUN finishes one, kerf recover RUN --discard deletes it\n");
+    printText("kerf recover RUN recovers one, kerf recover RUN --discard deletes it\n");
   return kOk;
 }
 
@@ -71,7 +71,7 @@ int runRecover(const RecoverArguments& a) {
               recovered->manifest.tool_id, r.removed_mm3, recovered->manifest.state_hash);
     if (!r.note.empty()) printText("{}\n", r.note);
     if (!r.is_same && r.checks > 0)
-      printText("DIFFERS from what was recorded, from tick {} on: look at it before you use it\n", r.differs_at);
+      printText("DIFFERS from the recording, from tick {} on: check the run before you use it\n", r.differs_at);
     printText("run written: {}\n", a.run);
   }
   return r.is_same || r.checks == 0 ? kOk : kFailed;
@@ -82,17 +82,18 @@ int runRecover(const RecoverArguments& a) {
 void addRecover(CLI::App& command, int& exit_code) {
   auto a = std::make_shared<RecoverArguments>();
   command.footer(
-      "The session was cut by hand in the window or by kerf live, and its program was killed or the power failed. What "
-      "was done is in the log, to a second before the end at most; this does it again and writes the rest of the "
-      "run. A damaged run.vdb of a session that has ended is rebuilt from its log. Without RUN the sessions of the "
-      "window that wait for it are listed. A cut along a path that was killed "
-      "leaves nothing: the same command gives the same run.\nExit code 0: done; 1: it could not be done, or the state "
-      "differs from what was recorded.\nExamples:\n  kerf recover\n  kerf recover "
-      "~/.local/share/kerf/sessions/molar-1.run");
+      "For a session of the window or of kerf live whose program crashed. The log holds the session up to at most one "
+      "second before the end; this command replays it and writes the rest of the run. It also rebuilds a damaged "
+      "run.vdb of an ended session. Without RUN it lists the lost sessions of the window. A killed cut along a path "
+      "leaves no files: repeat the command for the same run.\n"
+      "Exit code 0: done; 1: failed, or the state differs from the recording.\n"
+      "Examples:\n"
+      "  kerf recover\n"
+      "  kerf recover ~/.local/share/kerf/sessions/molar-1.run");
   command.add_option("RUN", a->run, "run folder of the session");
-  command.add_flag("--discard", a->discards, "delete it, with all that was cut in it, instead of finishing it");
+  command.add_flag("--discard", a->discards, "delete the session with all its cuts instead of recovering it");
   addCasePlaces(command);
-  command.add_flag("--json", a->json, "as JSON on standard output");
+  command.add_flag("--json", a->json, "print JSON on standard output");
   command.callback([a, &exit_code] { exit_code = runRecover(*a); });
 }
 

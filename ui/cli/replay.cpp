@@ -31,7 +31,7 @@ void printReplay(const Replay& r, double from_s) {
   if (r.first_tick > 0)
     printText("from the snapshot at {:.3f} s\n", static_cast<double>(r.first_tick) * kTick);
   else if (from_s > 0)
-    printText("from the beginning: no snapshot up to {:g} s that all of the rest can follow from\n", from_s);
+    printText("from the beginning: no usable snapshot up to {:g} s\n", from_s);
 
   const std::string of = r.objects > 1 ? fmt::format(" of {} objects", r.objects) : "";
   printText("replayed {} ticks ({:.3f} s), {} commands; removed {:.4f} mm3{}; state {}\n", r.ticks,
@@ -41,10 +41,10 @@ void printReplay(const Replay& r, double from_s) {
   if (r.is_same && r.is_whole)
     printText("the same bit for bit at all of {} checks of state and force\n", r.checks);
   else if (r.is_same)
-    printText("INCOMPLETE: the same bit for bit at all of {} checks up to there; the rest can not be compared\n",
+    printText("INCOMPLETE: the same bit for bit at all of {} checks up to there; the rest cannot be compared\n",
               r.checks);
   else if (r.checks > 0)
-    printText("DIFFERS: the first of {} checks that does not hold is that of tick {}\n", r.checks, r.differs_at);
+    printText("DIFFERS: of {} checks, the first failed at tick {}\n", r.checks, r.differs_at);
 }
 
 int runReplay(const ReplayArguments& a) {
@@ -58,7 +58,7 @@ int runReplay(const ReplayArguments& a) {
                             .place = "--from, --until",
                             .found = fmt::format("{} s, {} s", a.from, a.until),
                             .expected = "--from 0 or later and --until after it",
-                            .hint = "leave one of them out"});
+                            .hint = "omit one of them"});
   const auto again = [&] {
     TerminalProgress progress;
     return replayRun(a.run, progress.callback(), a.until, a.from);
@@ -79,16 +79,15 @@ int runReplay(const ReplayArguments& a) {
 void addReplay(CLI::App& command, int& exit_code) {
   auto a = std::make_shared<ReplayArguments>();
   command.footer(
-      "Exit code 0: the same; 1: it differs, or the log can not be read; 3: the log is cut short, the same up to "
-      "there.\nExample: kerf replay "
-      "molar.run");
+      "Exit code 0: the same; 1: it differs, or the log cannot be read; 3: the log is cut short, the same up to "
+      "there.\n"
+      "Example: kerf replay molar.run");
   command.add_option("RUN", a->run, "run folder, cut with --hand; REQUIRED without --commands");
   command.add_option("--from", a->from,
-                     "start from the last snapshot in the log that is no later than this simulated second; what lies "
-                     "before is not compared");
+                     "start from the last snapshot at or before this simulated second; earlier ticks are not compared");
   command.add_option("--until", a->until, "stop after this many simulated seconds");
-  command.add_flag("--json", a->json, "as JSON on standard output");
-  command.add_flag("--commands", a->lists_commands, "list the commands that a session log can hold, as Markdown");
+  command.add_flag("--json", a->json, "print JSON on standard output");
+  command.add_flag("--commands", a->lists_commands, "list the commands of a session log, as Markdown");
   addCasePlaces(command);
   command.callback([a, &exit_code] { exit_code = runReplay(*a); });
 }

@@ -104,8 +104,8 @@ void printRunVolumes(const RunReport& r, std::string& out) {
   if (const auto small = smallCut(*r.removed_mm3, r.manifest.voxel_mm)) out += fmt::format("  {}\n", *small);
   if (!r.manifest.begin_sha256.empty())
     out += r.manifest.mode == kModeSession
-               ? "  since the case, what was cut before this session too; force, time and strokes are of this session\n"
-               : "  since the run that this one goes on from; loaded is what that one left\n";
+               ? "  since the case, with the cuts before this session; force, time and strokes are of this session\n"
+               : "  since the run that this one continues; loaded is the result of that run\n";
   if (!r.manifest.earlier.empty())
     out += fmt::format("  with {} along other paths before; strokes and time are of the last path\n",
                        counted(r.manifest.earlier.size(), "cut"));
@@ -148,7 +148,7 @@ void printPeaks(const RunReport& r, std::string& out) {
   // Worse peak of an undone stroke.
   const auto back = [](const RunReport::Peak* peak, const char* unit) {
     if (!peak) return std::string();
-    return fmt::format(" ({:.2f} {}{} in a stroke taken back)", std::abs(peak->value), unit, at(peak->at_s));
+    return fmt::format(" ({:.2f} {}{} in an undone stroke)", std::abs(peak->value), unit, at(peak->at_s));
   };
   const auto known = [](const std::optional<RunReport::Peak>& peak) { return peak ? &*peak : nullptr; };
   if (r.contact_force) {
@@ -195,7 +195,7 @@ void printCourse(const RunReport& r, std::string& out) {
   if (r.crumbs.value_or(0) > 0) out += fmt::format(" and {} below 0.1 mm3", counted(*r.crumbs, "crumb"));
   if (r.ended) out += "; ended: " + *r.ended;
   if (r.stalled_s.value_or(0) > 0.05)
-    out += fmt::format("; the drive stood still for {:.2f} s of it: too {}", *r.stalled_s,
+    out += fmt::format("; the drive stalled for {:.2f} s of it: too {}", *r.stalled_s,
                        r.settings && r.settings->hand == nameOf(HandKind::kFeed) ? "fast a feed" : "heavy a hand");
   if (r.settings) out += "\nheld by " + describe(*r.settings);
   out += "\ntools: ";
@@ -240,8 +240,8 @@ std::string runText(const RunReport& r) {
   std::string out;
   if (r.is_summary_edited.value_or(false))
     out +=
-        "EDITED since it was written: summary.json. What is said from here on is what it says now; kerf replay and "
-        "kerf export do not go by it\n";
+        "EDITED since it was written: summary.json. The values below come from it; kerf replay and kerf export do not "
+        "use it\n";
   if (!r.manifest.is_open) {
     printRunVolumes(r, out);
     printRunPlan(r, out);

@@ -97,7 +97,7 @@ int runProgram(CLI::App& app, int argc, const char* const* argv, const int& exit
     if (const auto end = parseCommandLine(app, argc, argv)) return *end;
   } catch (const std::exception& e) {
     return complain(
-        {.code = Error::Code::kBadValue, .found = fmt::format("unexpected: {}", e.what()), .hint = "report this"});
+        {.code = Error::Code::kBadValue, .found = fmt::format("unexpected: {}", e.what()), .hint = "report this bug"});
   }
   answered(exit_code);
 
@@ -129,7 +129,7 @@ void addCasePlaces(CLI::App& command) {
           [](const std::vector<std::string>& folders) {
             setPlacesOfCases({folders.begin(), folders.end()});
           },
-          "where the case of the run is, if the run was moved without it. Repeat for cases that stood beside it")
+          "folder of the case if the run was moved without it. Repeat for the cases of neighbours")
       ->type_name("FOLDER")
       ->expected(1)
       ->allow_extra_args(false)

@@ -90,7 +90,7 @@ int printRack(const ToolArguments& a) {
   }
 
   if (a.json) printJson(tools);
-  if (!a.json && shown == 0) printText("No tool mentions that; kerf tool list shows all.\n");
+  if (!a.json && shown == 0) printText("No tool matches; kerf tool list shows all.\n");
   return all_read ? kOk : kFailed;
 }
 
@@ -367,27 +367,27 @@ void addTool(CLI::App& command, int& exit_code) {
   command.footer("Example: kerf tool list pear");
   command.require_subcommand(1);
 
-  CLI::App* l = command.add_subcommand("list", "Tools found in $KERF_ASSETS/tools and beside the program");
+  CLI::App* l = command.add_subcommand("list", "List the tools in $KERF_ASSETS/tools and next to the program");
   l->footer("Example: kerf tool list pear");
-  l->add_option("WORD", a->words, "only tools whose line holds all of these words");
-  l->add_flag("--json", a->json, "as JSON on standard output");
+  l->add_option("WORD", a->words, "list only tools whose line contains all these words");
+  l->add_flag("--json", a->json, "print JSON on standard output");
   l->callback([a, &exit_code] { exit_code = printRack(*a); });
 
-  CLI::App* i = command.add_subcommand("info", "A tool's numbers, its drive, and what its ISO 6360 code says");
+  CLI::App* i = command.add_subcommand("info", "Show dimensions, drive and ISO 6360 code of a tool");
   i->footer("Example: kerf tool info 856-016");
   i->add_option("ID|FILE", a->tool, "tool id or TOML file")->required();
-  i->add_flag("--json", a->json, "as JSON on standard output");
+  i->add_flag("--json", a->json, "print JSON on standard output");
   i->callback([a, &exit_code] { exit_code = info(*a); });
 
   CLI::App* k =
-      command.add_subcommand("check", "Plunge tools into a block; compare what is gone with the closed formula");
+      command.add_subcommand("check", "Plunge tools into a block; compare the removed volume with the closed formula");
   k->footer("Example: kerf tool check round-014 my-tool.toml");
   auto* ids = k->add_option("ID|FILE", a->tools, "tool ids or TOML files; several make a table");
-  auto* all = k->add_flag("--all", a->all, "every tool there is");
+  auto* all = k->add_flag("--all", a->all, "check all tools");
   ids->excludes(all);
   k->add_option("--voxel", a->voxel, "mm; default: head diameter / 20, blades thickness / 10")
       ->check(CLI::PositiveNumber);
-  k->add_flag("--json", a->json, "as JSON on standard output");
+  k->add_flag("--json", a->json, "print JSON on standard output");
   k->callback([a, &exit_code] {
     if (a->tools.empty() && !a->all) throw CLI::RequiredError("ID|FILE or --all");
     exit_code = check(*a);
@@ -397,7 +397,7 @@ void addTool(CLI::App& command, int& exit_code) {
   d->footer("Example: kerf tool draw 856-016 -o 856-016.svg");
   d->add_option("ID|FILE", a->tool, "tool id or TOML file")->required();
   d->add_option("-o,--output", a->output, "SVG file to write; default: ID.svg");
-  addOverwrite(*d, a->overwrite, "replace a picture that is there");
+  addOverwrite(*d, a->overwrite, "replace an existing picture");
   d->callback([a, &exit_code] { exit_code = draw(*a); });
 
   CLI::App* n = command.add_subcommand("new", "Write a tool file to start from, every key explained");

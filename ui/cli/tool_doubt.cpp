@@ -43,13 +43,10 @@ std::string doubtAboutAxis(const Mesh& mesh) {
   const double degrees = std::acos(std::min(1.0, std::abs(longest[2]))) * 180 / std::numbers::pi;
   if (lengths[2] > kSlender * lengths[1] && degrees > kMostDegrees)
     return fmt::format(
-        "the mesh is longest {:.0f} degrees off the axis about which it turns: is `axis` the way from the "
-        "tip to the shank?",
-        degrees);
+        "the mesh is longest {:.0f} degrees off its axis: check that `axis` points from the tip to the shank", degrees);
   const double off = middle.head<2>().norm();
   if (off > kMostOff * std::max(lengths[1], 0.1))
-    return fmt::format("the middle of the mesh lies {:.2f} mm beside the axis about which it turns: is `tip` on it?",
-                       off);
+    return fmt::format("the middle of the mesh is {:.2f} mm off its axis: check that `tip` is on the axis", off);
   return {};
 }
 

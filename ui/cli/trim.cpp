@@ -58,12 +58,12 @@ Expected<Source> readSolidMesh(const TrimArguments& a) {
   out.names = ObjectNames::ofMesh(out.solid, read.objects);
   const MeshReport report = checkMesh(out.solid);
   if (report.print_ready) return out;
-  return fail(
-      {.code = Error::Code::kGeometry,
-       .file = a.what,
-       .found = report.reasons.empty() ? "not a solid" : report.reasons.front(),
-       .expected = "a solid: closed, without crossings",
-       .hint = fmt::format("kerf bake {} -o {}.case, then kerf trim that", a.what, fs::path(a.what).stem().string())});
+  return fail({.code = Error::Code::kGeometry,
+               .file = a.what,
+               .found = report.reasons.empty() ? "not a solid" : report.reasons.front(),
+               .expected = "a solid: closed, without crossings",
+               .hint = fmt::format("kerf bake {} -o {}.case, then kerf trim the case", a.what,
+                                   fs::path(a.what).stem().string())});
 }
 
 Expected<Source> readSource(const TrimArguments& a) {
@@ -85,7 +85,7 @@ Expected<Source> readSource(const TrimArguments& a) {
   KERF_TRY(manifest, readCaseManifest(folder));
   out.of_case = std::move(manifest);
   for (const RunManifest::Piece& piece : exported.pieces)
-    if (piece.isMoved()) out.note = "pieces are cut where they were in the scan, not where they were moved to";
+    if (piece.isMoved()) out.note = "pieces are cut at their scan positions, not where they were moved";
   return out;
 }
 
@@ -181,8 +181,8 @@ Expected<void> requireNew(const TrimArguments& a, const Source& source, const st
   if (!fs::equivalent(path, a.what, ignored)) return {};
   return fail({.code = Error::Code::kBadValue,
                .file = path,
-               .found = "the file that is cut",
-               .expected = "another name: a scan is never written over",
+               .found = "the input file",
+               .expected = "another name: Kerf never overwrites a scan",
                .hint = "another name or folder"});
 }
 
@@ -311,12 +311,14 @@ int runTrim(const TrimArguments& a) {
 }
 
 constexpr const char* kTrimFooter =
-    "Above a plane is the side to which its normal points; several planes cut off what is above all of them. Both "
+    "Above a plane is the side of its normal. Several planes cut off the volume above all of them. Kerf writes both "
     "parts\n"
-    "are written unless --keep says which, NAME-above.stl and NAME-below.stl; of --box and --between NAME-die.stl and\n"
-    "NAME-rest.stl. Both are closed by flat faces; vertices that are not cut stay bit for bit.\n"
-    "A plane has no end: it also cuts what lies far away, as the other condyle. Each piece is listed with its middle.\n"
-    "To cut one side alone use --between, which takes the piece there, or --box around it.\n"
+    "unless --keep selects one: NAME-above.stl and NAME-below.stl; with --box or --between NAME-die.stl and "
+    "NAME-rest.stl.\n"
+    "Flat faces close both parts; uncut vertices stay bit for bit.\n"
+    "A plane is infinite: it also cuts distant parts, such as the other condyle. Kerf lists each piece with its "
+    "middle.\n"
+    "To cut one side only, use --between or --box.\n"
     "Examples:\n"
     "  kerf trim arch.case --plane occlusal@-12 --keep above -o arch.stl    the underside off, 12 mm under the cusps\n"
     "  kerf trim arch.case --between -8,40,3/2,42,3 --keep die -o die.stl   a tooth out of a model, between two "
@@ -329,7 +331,8 @@ void addTrim(CLI::App& command, int& exit_code) {
   auto a = std::make_shared<TrimArguments>();
   command.footer(kTrimFooter);
   command
-      .add_option("CASE|RUN|MESH", a->what, "what is cut; a mesh has to be a solid already: kerf bake closes others")
+      .add_option("CASE|RUN|MESH", a->what,
+                  "object to cut; a mesh must be a closed solid: kerf bake closes other meshes")
       ->required();
   const auto takeAll = [](CLI::Option* option) {
     return option->expected(1)->allow_extra_args(false)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
@@ -338,25 +341,26 @@ void addTrim(CLI::App& command, int& exit_code) {
                              writableFormats() + "; colours in " + colorFormats() + ". Repeat for several"))
       ->required();
   takeAll(command.add_option("--plane", a->planes,
-                             "normal @ point; or three points, above is where they run counter-clockwise; or so much "
-                             "above the occlusal plane (negative: below); mm. Repeat for several"))
+                             "cutting plane, mm: normal@point; or three points, counter-clockwise as seen from above; "
+                             "or a height above the occlusal plane (negative: below). Repeat for several"))
       ->type_name(kPlaneWords);
-  command.add_option("--plan", a->plan, "planes planned in the window, as its saw.save writes them")->type_name("FILE");
-  command.add_option("--box", a->box, "cut off what is between two corners")->type_name("X,Y,Z/X,Y,Z");
+  command.add_option("--plan", a->plan, "planes from the window, written by saw.save")->type_name("FILE");
+  command.add_option("--box", a->box, "cut out the box between two corners")->type_name("X,Y,Z/X,Y,Z");
   command
       .add_option("--between", a->between,
-                  "cut off what is between two points, such as those where a tooth meets its neighbours: by planes "
-                  "square to the line between them; only the piece that is there")
+                  "cut out the piece between two points, such as the contacts of a tooth with its neighbours, by "
+                  "planes square to the line between them")
       ->type_name("X,Y,Z/X,Y,Z");
-  command.add_option("--keep", a->keep, "the parts that are written: above (or die), below (or rest), both")
+  command.add_option("--keep", a->keep, "parts to write: above (or die), below (or rest), both")
       ->check(CLI::IsMember({"above", "below", "die", "rest", "both"}))
       ->capture_default_str();
-  command.add_option("--unit", a->unit, "of a mesh: mm, cm, m, um or inch (default: as it says, or by its size)")
+  command
+      .add_option("--unit", a->unit, "unit of a mesh: mm, cm, m, um or inch (default: the declared unit, or by size)")
       ->type_name("UNIT")
       ->check(CLI::IsMember(unitNames()));
-  addOverwrite(command, a->overwrites, "replace files that are there");
+  addOverwrite(command, a->overwrites, "replace existing files");
   addCasePlaces(command);
-  command.add_flag("--json", a->json, "summary as JSON on standard output");
+  command.add_flag("--json", a->json, "print the summary as JSON on standard output");
   command.callback([a, &exit_code] { exit_code = runTrim(*a); });
 }
 
