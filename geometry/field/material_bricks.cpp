@@ -143,7 +143,7 @@ Expected<void> requireOnlyAdded(const MaterialBricks& bricks, const MaterialFiel
       return refuse(bricks,
                     fmt::format("material {} at ({:.2f}, {:.2f}, {:.2f}) mm, where the case has {}", number, p.x(),
                                 p.y(), p.z(), before[n]),
-                    "the case's, or what was added: " + listOf(bricks.added));
+                    "the case's, or added material: " + listOf(bricks.added));
     }
   }
   return {};

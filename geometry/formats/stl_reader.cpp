@@ -40,8 +40,8 @@ Expected<std::size_t> countFacets(const MeshSource& source, MeshFile& file) {
   if (isPrintable(text.substr(0, 512)))
     return fail(source.atLine(text.data(), Error::Code::kBadFormat,
                               "text that begins with " + inQuotes(text.substr(0, text.find_first_of("\r\n"))),
-                              "\"solid\", with which an ASCII STL begins",
-                              "check what the file is; export the mesh again"));
+                              "\"solid\", the first word of an ASCII STL",
+                              "check the type of the file; export the mesh again"));
   if (source.size < kHeader)
     return fail(source.atByte(source.size, Error::Code::kBadFormat,
                               "the end of the file after " + std::to_string(source.size) + " bytes",

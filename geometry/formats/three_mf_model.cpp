@@ -195,7 +195,7 @@ struct ThreeMfModelParser::State : XmlParser::Handler {
         continue;
       return fail(xml.here(Error::Code::kUnsupported,
                            "the 3MF extension " + shown(name_space.empty() ? word : name_space) +
-                               ", without which the file means something else",
+                               ", required to read the file correctly",
                            "core 3MF, with materials and production extension", "export without it, or as STL or PLY"));
     }
     return Node::kModel;

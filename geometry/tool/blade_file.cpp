@@ -28,7 +28,7 @@ std::string motionMeant(const std::string& word) {
 
 // Common synonyms of the keys.
 void explainWords(TomlTable& top) {
-  top.explain("set", "set_per_side: how far teeth stand out to either side, half of what the set adds to the kerf");
+  top.explain("set", "set_per_side: set of the teeth to either side, half of its share of the kerf");
   top.explain("kerf", "thickness and set_per_side: kerf = thickness + 2 set_per_side");
   top.explain("pitch", "tooth_pitch");
   top.explain("tpi", "tooth_pitch = 25.4 / teeth per inch");

@@ -390,10 +390,10 @@ TEST_F(FillingOnABlock, MaterialsThatTheCaseNeverHadAreRefusedByName) {
 
   MaterialBricks other = good;
   other.numbers.front()[77] = static_cast<std::uint8_t>(Material::kEnamel);
-  expectRefused(other, {"grid material", "material 1 at (", "what was added: 11 (composite)"});
+  expectRefused(other, {"grid material", "material 1 at (", "added material: 11 (composite)"});
   other = good;
   other.added.clear();
-  expectRefused(other, {"grid material", "material 11 at (", "what was added: none"});
+  expectRefused(other, {"grid material", "material 11 at (", "added material: none"});
   other = good;
   other.added[11] = "gum";
   expectRefused(other, {"grid material, gum", "number 11, which is 'composite'"});
