@@ -117,7 +117,7 @@ Expected<bool> isInsideOut(const Opening& opening, const CloseOptions& options) 
   const Direction found = nearestAxis(open);
   Error e = ungrounded(fmt::format("a base towards {}, but the scan is open towards {}: ({:.2f}, {:.2f}, {:.2f})",
                                    nameOf(nearestAxis(asked)), nameOf(found), open.x(), open.y(), open.z()),
-                       fmt::format("--base-direction {}, or leave it out", nameOf(found)));
+                       fmt::format("use --base-direction {}, or omit it", nameOf(found)));
   e.expected = "a base on the open side";
   return fail(std::move(e));
 }
@@ -564,7 +564,7 @@ Expected<void> dropWhatLooksOpen(Chain& chain, const CloseOptions& options, Boun
   Error e = ungrounded(fmt::format("a boundary of {:.0f} mm along edges that three or more triangles share; the mesh "
                                    "is open along {:.1f} mm only: no underside is missing",
                                    boundary.longestLength(), chain.open_mm),
-                       "--close wrap, or mend the mesh in another program; --close base if it is a scan");
+                       "--close wrap, or repair the mesh in another program; --close base for a scan");
   e.expected = "a surface";
   return fail(std::move(e));
 }
@@ -583,10 +583,10 @@ void trimBoundary(Chain& chain, const CloseOptions& options, Boundary& boundary,
   report.triangles_trimmed = taken.triangles;
   report.trimmed_mm2 = taken.area_mm2;
   if (taken.triangles == 0) {
-    report.changes.push_back(fmt::format(
-        "nothing was trimmed: what along the rim is narrower than {} mm sticks out no farther than a corner "
-        "does; a smaller --trim-rim takes short tongues",
-        options.trim_rim_mm));
+    report.changes.push_back(
+        fmt::format("nothing was trimmed: parts of the rim narrower than {} mm stick out no farther than a corner; use "
+                    "a smaller --trim-rim for short tongues",
+                    options.trim_rim_mm));
     return;
   }
   report.changes.push_back(fmt::format(
@@ -671,7 +671,7 @@ Expected<void> closeBoundary(Chain& chain, const CloseOptions& options, CloseRep
 
 Expected<OcclusalPlane> findPlaneOfScan(const Chain& chain, const CloseOptions& options) {
   const std::vector<Loop> loops = boundaryLoops(chain.mesh.triangles);
-  if (loops.empty()) return fail(ungrounded("a closed mesh: it does not tell which way its teeth point", ""));
+  if (loops.empty()) return fail(ungrounded("a closed mesh: it does not show the direction of its teeth", ""));
   if (options.base_direction) return findOcclusalPlane(chain.mesh, -nearestAxis(*options.base_direction).vector());
   const auto longest = std::max_element(loops.begin(), loops.end(), [&](const Loop& a, const Loop& b) {
     return length(chain.mesh, a) < length(chain.mesh, b);

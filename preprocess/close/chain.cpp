@@ -98,7 +98,7 @@ Expected<void> refuseHeaps(const Mesh& mesh) {
   e.place = fmt::format("near ({:.3f}, {:.3f}, {:.3f}) mm", where.x(), where.y(), where.z());
   e.found = fmt::format("an edge that {} triangles share", most);
   e.expected = fmt::format("a surface: two at an edge, {} at the very most", kMostAround);
-  e.hint = "mend the mesh in another program, as by making it manifold, and export it again";
+  e.hint = "repair the mesh in another program, for example make it manifold, and export it again";
   return fail(std::move(e));
 }
 

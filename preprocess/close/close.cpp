@@ -757,7 +757,7 @@ Expected<Result> attemptBases(const Mesh& imported, const CloseOptions& options,
     report = std::move(again);
     chain = std::move(other_chain);
     report.base_fallback = other.name;
-    warn(report, fmt::format("the base was built with {}: with the walls asked for {} were found", other.name,
+    warn(report, fmt::format("the base was built with {}, because the requested walls gave {}", other.name,
                              first.error().found));
     return r;
   }

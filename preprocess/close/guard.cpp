@@ -135,8 +135,8 @@ void judgePieces(const Mesh& solid, const CloseReport& report, const Chain& clos
   if (report.exact)
     out.notes.push_back(joined);
   else
-    out.warnings.push_back("PIECES OF THE SCAN ARE JOINED: " + joined +
-                           ". A wrap bridges what lies close together; try " + otherWays(report));
+    out.warnings.push_back("PIECES OF THE SCAN ARE JOINED: " + joined + ". A wrap bridges close parts; try " +
+                           otherWays(report));
 }
 
 void judgeVolume(const Mesh& mesh, const Mesh& solid, const Expectation& expected, bool is_hardly_open,

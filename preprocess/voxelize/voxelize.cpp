@@ -223,7 +223,7 @@ Expected<Anatomy> voxelizeRegion(const Mesh& solid, const FineRegion& region, co
   if (clipped.triangles.empty())
     return fail({.code = Error::Code::kEmpty,
                  .place = "fine region",
-                 .found = "it does not meet the object",
+                 .found = "it does not touch the object",
                  .expected = "a line on the object",
                  .hint = "check the line's frame and unit"});
 

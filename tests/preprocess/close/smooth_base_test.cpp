@@ -126,8 +126,9 @@ TEST(SmoothBase, WallsThatCanNotBeResolvedAreTriedWithAnotherLipAndThenStraight)
     EXPECT_EQ(s.report.base_fallback, name);
     EXPECT_EQ(s.report.rims_extruded, 1u);
     ASSERT_EQ(s.report.warnings.size(), 1u) << "nothing is left of the attempts before";
-    EXPECT_NE(s.report.warnings[0].find(fmt::format("the base was built with {}: with the walls asked for ", name)),
-              std::string::npos)
+    EXPECT_NE(
+        s.report.warnings[0].find(fmt::format("the base was built with {}, because the requested walls gave ", name)),
+        std::string::npos)
         << s.report.warnings[0];
   }
 
