@@ -41,7 +41,7 @@ Expected<std::uint16_t> parseBridgeAddress(const std::string& text) {
     return fail({.code = Error::Code::kBadValue,
                  .place = "address of the bridge",
                  .found = "\"" + text + "\"",
-                 .expected = "udp:PORT on this machine: other hosts are refused",
+                 .expected = "udp:PORT on this machine: Kerf rejects other hosts",
                  .hint = "udp:4417"});
   };
   std::string_view rest = text;
