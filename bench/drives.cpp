@@ -158,7 +158,7 @@ Expected<void> pressPiezo(Result& r, const Bench& bench) {
 }  // namespace
 
 Expected<Result> benchDrives(const Bench& bench) {
-  Result r(SceneId::kDrives, "what a hand's force buys with a turbine and an electric drive");
+  Result r(SceneId::kDrives, "effect of the hand's force with a turbine and an electric drive");
   KERF_CHECK(pressTurbines(r, bench));
   KERF_CHECK(compareHandpieces(r, bench));
   KERF_CHECK(pressPiezo(r, bench));

@@ -213,7 +213,7 @@ int countWrongPairs(const SawGrid& force) {
 }  // namespace
 
 Expected<Result> benchForces(const Bench& bench) {
-  Result r(SceneId::kForces, "what a hand feels, by material, tool and feed: training defaults");
+  Result r(SceneId::kForces, "force on the hand, by material, tool and feed: training defaults");
   KERF_CHECK(plungeIntoMaterials(r, bench));
   KERF_CHECK(fitRemoval(r, bench));
   KERF_TRY(saw, sawBone(r, bench));

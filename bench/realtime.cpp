@@ -159,7 +159,7 @@ Expected<Result> benchRealtime(const Bench& bench) {
   r.add("removed a second", again.removed_mm3 / bench.seconds, "mm3/s");
   if (const auto stalls = haptic.report().counts.stalls; stalls > 0)
     r.notes.push_back(
-        fmt::format("the thread stalled {} times and let go of the hand: nothing was cut after the last", stalls));
+        fmt::format("the thread stalled {} times and released the hand: no cuts after the last stall", stalls));
   r.add("state checks in the log", static_cast<double>(again.checks));
   addReplay(r, haptic, again);
   return r;

@@ -28,7 +28,7 @@ Error noWindowProgram(std::string found) {
           .place = "kerf-bench window",
           .found = std::move(found),
           .expected = "the frame times of kerf-sim",
-          .hint = "build kerf-sim (KERF_BUILD_WINDOW=ON); it must stand beside kerf-bench"};
+          .hint = "build kerf-sim (KERF_BUILD_WINDOW=ON); it must be in the folder of kerf-bench"};
 }
 
 struct Output {
