@@ -18,6 +18,13 @@ enum ExitCode : int {
   kCutShort = 3,  ///< the log is incomplete; the part up to its end was processed correctly
 };
 
+/// The exit codes in help texts and manual pages, a line each.
+inline constexpr const char* kExitCodes =
+    "  0  done\n"
+    "  1  failure: also a missing file or tool, and a check that says no\n"
+    "  2  wrong command line: an unknown option, or a wrong number or word\n"
+    "  3  kerf replay: incomplete log, replayed up to its end";
+
 /// The --json answer of both programs: {"error": {"code": ..., "message": ..., ...}}, with the error's other fields.
 nlohmann::json errorJson(const Error& error, const std::string& message);
 

@@ -9,6 +9,7 @@
 #include "geometry/base/atomic_file.h"
 #include "geometry/base/text.h"
 #include "geometry/base/version.h"
+#include "ui/app/program/command_line.h"
 
 namespace kerf {
 namespace {
@@ -88,10 +89,13 @@ void appendOptions(const CLI::App& app, std::string& out) {
   }
 }
 
-// A verbatim block: commands of an example keep their lines.
-void appendVerbatim(const char* title, const std::string& text, std::string& out) {
-  if (text.empty()) return;
-  out += fmt::format(".SH {}\n.nf\n{}\n.fi\n", title, troff(text));
+// The lines of the text stay as they are.
+std::string verbatim(const std::string& text) { return fmt::format(".nf\n{}\n.fi\n", troff(text)); }
+
+std::string inCapitals(std::string text) {
+  for (char& c : text)
+    if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
+  return text;
 }
 
 std::string firstSentence(const std::string& text) {
@@ -119,11 +123,8 @@ void appendCommands(const CLI::App& app, std::string& out) {
 std::string page(const CLI::App& program, const CLI::App* command, const std::string& version) {
   const CLI::App& app = command ? *command : program;
   const std::string name = pageName(program, command);
-  std::string upper = name;
-  for (char& c : upper)
-    if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
 
-  std::string out = fmt::format(".TH {} 1 \"\" \"{}\"\n", troff(upper), troff(version));
+  std::string out = fmt::format(".TH {} 1 \"\" \"{}\"\n", troff(inCapitals(name)), troff(version));
   out += fmt::format(".SH NAME\n{} \\- {}\n", troff(name), troff(firstSentence(app.get_description())));
 
   std::string synopsis = command ? program.get_name() + " " + command->get_name() : program.get_name();
@@ -136,10 +137,28 @@ std::string page(const CLI::App& program, const CLI::App* command, const std::st
   out += fmt::format(".SH DESCRIPTION\n{}\n", troff(app.get_description()));
   appendCommands(app, out);
   appendOptions(app, out);
-  appendVerbatim("EXAMPLES", app.get_footer(), out);
+  // The footer of a command has examples; that of a program, general remarks.
+  const std::string footer = app.get_footer().empty() ? "" : verbatim(app.get_footer());
+  if (command && !footer.empty()) out += ".SH EXAMPLES\n" + footer;
 
-  out += ".SH EXIT STATUS\n0: done. 1: it failed, or a check says no. 2: wrong command line.\n";
-  out += ".SH NOTES\nKerf is a tool for training and lab work. It is not a medical device.\n";
+  out += ".SH EXIT STATUS\n" + verbatim(kExitCodes);
+  out += ".SH NOTES\n" + (command || footer.empty() ? "" : footer + ".PP\n");
+  out += "Kerf is a tool for training and lab work. It is not a medical device.\n";
+  return out;
+}
+
+std::string topicPage(const std::string& program, const HelpPage& topic, const std::string& version) {
+  const std::string name = program + "-" + topic.name;
+  std::string out = fmt::format(".TH {} 7 \"\" \"{}\"\n", troff(inCapitals(name)), troff(version));
+  out += fmt::format(".SH NAME\n{} \\- {}\n", troff(name), troff(topic.summary));
+
+  for (const HelpSection& section : topic.sections) {
+    out += fmt::format(".SH {}\n{}", troff(inCapitals(section.title)), troff(section.text));
+    if (!section.text.empty()) out += "\n";
+    for (const HelpEntry& entry : section.entries)
+      out += fmt::format(".TP\n\\fB{}\\fR{}\n{}\n", troff(entry.term),
+                         entry.note.empty() ? "" : " (" + troff(entry.note) + ")", troff(entry.text));
+  }
   return out;
 }
 
@@ -150,6 +169,14 @@ std::string words(const CLI::App& app) {
   for (const CLI::Option* option : shownOptions(app))
     for (const std::string& name : option->get_lnames()) out += (out.empty() ? "--" : " --") + name;
   return out;
+}
+
+// Words that may follow the command `help`.
+std::string helpWords(const CLI::App& app, std::span<const HelpPage> topics) {
+  std::string out;
+  for (const CLI::App* command : shownCommands(app)) out += command->get_name() + " ";
+  for (const HelpPage& topic : topics) out += topic.name + " ";
+  return out + "--help";
 }
 
 // One case for each command: "tool) words=...;;", and "tool\ check)" for those within.
@@ -164,13 +191,14 @@ std::string bashCases(const CLI::App& app, const std::string& prefix) {
 }
 
 // Completes commands and options from the table, other words as file names.
-std::string bashCompletion(const CLI::App& app) {
+std::string bashCompletion(const CLI::App& app, std::span<const HelpPage> topics) {
   const std::string function = "_" + std::string(app.get_name() == "kerf" ? "kerf" : "kerf_sim");
   std::string out = fmt::format("# Completion of {} for bash, made by the program itself.\n", app.get_name());
 
   out += function + "() {\n";
   out += "  local current=${COMP_WORDS[COMP_CWORD]} typed=\"${COMP_WORDS[*]:1:COMP_CWORD-1}\" words\n";
   out += "  case \"$typed\" in\n";
+  if (!topics.empty()) out += fmt::format("    \"help\"*) words=\"{}\" ;;\n", helpWords(app, topics));
   out += bashCases(app, "");
   out += fmt::format("    *) words=\"{}\" ;;\n  esac\n", words(app));
   out += "  mapfile -t COMPREPLY < <(compgen -W \"$words\" -- \"$current\")\n";
@@ -181,10 +209,10 @@ std::string bashCompletion(const CLI::App& app) {
 }
 
 // zsh loads the bash function through bashcompinit.
-std::string zshCompletion(const CLI::App& app) {
+std::string zshCompletion(const CLI::App& app, std::span<const HelpPage> topics) {
   return fmt::format("#compdef {}\n# Completion of {} for zsh, made by the program itself.\n", app.get_name(),
                      app.get_name()) +
-         "autoload -U +X bashcompinit && bashcompinit\n" + bashCompletion(app);
+         "autoload -U +X bashcompinit && bashcompinit\n" + bashCompletion(app, topics);
 }
 
 std::string fishQuoted(const std::string& text) {
@@ -211,25 +239,30 @@ void appendFish(const CLI::App& app, const std::string& program, const std::stri
     appendFish(*command, program, "__fish_seen_subcommand_from " + command->get_name(), out);
 }
 
-std::string fishCompletion(const CLI::App& app) {
+std::string fishCompletion(const CLI::App& app, std::span<const HelpPage> topics) {
   std::string out = fmt::format("# Completion of {} for fish, made by the program itself.\n", app.get_name());
   appendFish(app, app.get_name(), "", out);
+  if (!topics.empty())
+    out += fmt::format("complete -c {} -n '__fish_seen_subcommand_from help' -f -a {}\n", app.get_name(),
+                       fishQuoted(helpWords(app, topics)));
   return out;
 }
 
 }  // namespace
 
-std::vector<ManualFile> manualOf(const CLI::App& app, const std::string& version) {
+std::vector<ManualFile> manualOf(const CLI::App& app, const std::string& version, std::span<const HelpPage> topics) {
   std::vector<ManualFile> out;
   const std::string name = app.get_name();
 
   out.push_back({"man/man1/" + name + ".1", page(app, nullptr, version)});
   for (const CLI::App* command : shownCommands(app))
     out.push_back({"man/man1/" + pageName(app, command) + ".1", page(app, command, version)});
+  for (const HelpPage& topic : topics)
+    out.push_back({"man/man7/" + name + "-" + topic.name + ".7", topicPage(name, topic, version)});
 
-  out.push_back({"bash-completion/completions/" + name, bashCompletion(app)});
-  out.push_back({"zsh/site-functions/_" + name, zshCompletion(app)});
-  out.push_back({"fish/vendor_completions.d/" + name + ".fish", fishCompletion(app)});
+  out.push_back({"bash-completion/completions/" + name, bashCompletion(app, topics)});
+  out.push_back({"zsh/site-functions/_" + name, zshCompletion(app, topics)});
+  out.push_back({"fish/vendor_completions.d/" + name + ".fish", fishCompletion(app, topics)});
   return out;
 }
 
@@ -250,8 +283,8 @@ bool isManualRequest(int argc, const char* const* argv) {
   return argc == 3 && std::string_view(argv[1]) == kWriteManual;
 }
 
-int answerManualRequest(const CLI::App& app, const char* folder) {
-  const Expected<void> written = writeManual(manualOf(app, std::string("Kerf ") + kVersion), folder);
+int answerManualRequest(const CLI::App& app, const char* folder, std::span<const HelpPage> topics) {
+  const Expected<void> written = writeManual(manualOf(app, std::string("Kerf ") + kVersion, topics), folder);
   if (written) return 0;
   printText(stderr, "{}: {}\n", app.get_name(), printable(written.error().message()));
   return 1;

@@ -3,10 +3,12 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "geometry/base/error.h"
+#include "ui/app/program/help_page.h"
 
 namespace kerf {
 
@@ -19,7 +21,9 @@ struct ManualFile {
 /// A manual page for the program and for each of its commands, and completion for bash, zsh and fish. Like --help,
 /// omits hidden options and commands (those without a group).
 /// @param app  with all commands and options; not parsed yet.  @param version  for the foot of each page.
-std::vector<ManualFile> manualOf(const CLI::App& app, const std::string& version);
+/// @param topics  pages of section 7; completion offers them after the command `help`.
+std::vector<ManualFile> manualOf(const CLI::App& app, const std::string& version,
+                                 std::span<const HelpPage> topics = {});
 
 /// Writes the files below a folder, which it creates. Error: a file cannot be written.
 Expected<void> writeManual(const std::vector<ManualFile>& files, const std::filesystem::path& share);
@@ -28,6 +32,6 @@ Expected<void> writeManual(const std::vector<ManualFile>& files, const std::file
 bool isManualRequest(int argc, const char* const* argv);
 
 /// Writes the manual to `folder`. Returns the exit code, with the error on standard error.
-int answerManualRequest(const CLI::App& app, const char* folder);
+int answerManualRequest(const CLI::App& app, const char* folder, std::span<const HelpPage> topics = {});
 
 }  // namespace kerf
