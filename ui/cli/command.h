@@ -31,7 +31,7 @@ void printJson(const nlohmann::json& json);
 void answerInJson();
 
 /// The end of main(), once every option is declared: parses, which runs the callbacks, answers --json and flushes.
-/// Without Kerf's data it only answers --help and --version.
+/// Without Kerf's data it only answers help, --help and --version.
 /// @param exit_code  set by the callbacks.    @return  exit code for main.
 int runProgram(CLI::App& app, int argc, const char* const* argv, const int& exit_code);
 

@@ -10,8 +10,8 @@ namespace kerf::cli {
 /// @param command  with name and description.    @param exit_code  return value of main; set by the callback.
 using AddOptions = void(CLI::App& command, int& exit_code);
 
-AddOptions addBake, addCheck, addCut, addDemo, addDemoMolar, addDevices, addExport, addInfo, addLive, addPick, addPlot,
-    addRecover, addReplay, addTool, addTrim;
+AddOptions addBake, addCheck, addCut, addDemo, addDemoMolar, addDevices, addExport, addHelp, addInfo, addLive, addPick,
+    addPlot, addRecover, addReplay, addTool, addTrim;
 
 struct CommandRow {
   const char* name;     ///< as typed
@@ -23,6 +23,7 @@ struct CommandRow {
 inline constexpr const char* kWorkflow = "Commands from scan to mesh";
 inline constexpr const char* kInspect = "Commands for files and tools";
 inline constexpr const char* kExamples = "Commands for examples";
+inline constexpr const char* kOther = "Other commands";
 
 inline constexpr CommandRow kCommands[] = {
     {"bake", "Turn mesh files or a case recipe into a case: closed solid, distance field, materials, point shell",
@@ -43,6 +44,7 @@ inline constexpr CommandRow kCommands[] = {
     {"tool", "List, check, draw, start and bake tools", addTool, kInspect},
     {"demo", "Write synthetic anatomy: tissues, with a recipe to bake them", addDemo, kExamples},
     {"demo-molar", "Write a synthetic lower first molar for experiments", addDemoMolar, kExamples},
+    {"help", "Explain a command of kerf, the commands of the window, or their scripts", addHelp, kOther},
 };
 
 }  // namespace kerf::cli

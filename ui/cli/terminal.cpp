@@ -90,7 +90,8 @@ int runProgram(CLI::App& app, int argc, const char* const* argv, const int& exit
     if (has("--json")) answerInJson();
     return code;
   };
-  if (!has("--help") && !has("-h") && !has("--version"))
+  const bool is_help = argc > 1 && std::string_view(argv[1]) == "help";
+  if (!is_help && !has("--help") && !has("-h") && !has("--version"))
     if (const auto assets = requireAssets(); !assets) return answered(complain(assets.error()));
 
   try {
