@@ -71,35 +71,4 @@ Expected<void> runAppCommand(AppContext& context, std::string_view id, AppWords 
   return command->run(context, parameters);
 }
 
-std::string appCommandReference() {
-  std::string out =
-      "# Commands of the window\n\n<!-- Written by scripts/reference from kerf-sim --commands. Do not edit: change "
-      "ui/app/commands/app_commands.cpp and run it again. -->\n\n"
-      "Menus, keys and scripts (`kerf-sim --script FILE`) run these. A script holds one a line; # begins a comment, "
-      "words in "
-      "double quotes may hold blanks. X and Y are pixels of the picture, Y downwards. Beside them a script has `wait` "
-      "(until "
-      "no job runs, no plane is sawn and no replay jumps), `wait SECONDS` (of the simulation), `wait device [SECONDS]` "
-      "(until a force-feedback device leads the tool; 10 s at most), `print` (the state, as "
-      "JSON) and `expect "
-      "removed|depth|tip|loop|near|hindered|warm|sawn|triangles|pieces|beside|beside-near|beside-removed|steps|ahead|"
-      "time|same|"
-      "verdict|device|device-force LOW HIGH`: `tip` is the depth of the tip below the surface as loaded, `loop` the "
-      "ticks "
-      "of the 1 kHz loop in the last second, `hindered` 1 while the tool rests on its neck or its drive stands still, "
-      "`verdict` 1 when the export panel says ready to print, 0 when not, -1 "
-      "before "
-      "its check; `device` is 0 without a force-feedback device, 1 when it is silent, 2 when its hand is there, 3 when "
-      "it "
-      "leads, 4 when it is armed; `time` is the second that is watched, "
-      "`same` "
-      "1 when a replay ended as recorded, 0 when not, -1 before its end. The first error ends it, "
-      "with "
-      "exit code 1 and the line.\n\n| command | parameters | key | what it does |\n|---|---|---|---|\n";
-  for (const AppCommand& c : appCommands())
-    out += fmt::format("| `{}` | {} | {} | {} |\n", c.id, c.parameters.empty() ? "" : fmt::format("`{}`", c.parameters),
-                       c.key.empty() ? "" : fmt::format("`{}`", c.key), c.description);
-  return out;
-}
-
 }  // namespace kerf

@@ -1,4 +1,4 @@
-// The table of all window commands. Menus, keys, scripts and the reference page read it.
+// The table of all window commands. Menus, keys, scripts and `kerf help window` read it.
 //
 // A new command is a row of a table beside its function: command_tables.h.
 #pragma once
@@ -64,8 +64,5 @@ const AppCommand* findAppCommand(std::string_view id);
 /// Runs a command if it is enabled. Errors: kNotFound for an unknown id, kUnsupported if it is disabled now,
 /// kBadValue for its parameters.
 Expected<void> runAppCommand(AppContext& context, std::string_view id, AppWords parameters = {});
-
-/// The table as Markdown: docs/reference/window-commands.md is this text.
-std::string appCommandReference();
 
 }  // namespace kerf

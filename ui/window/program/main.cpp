@@ -19,9 +19,9 @@
 #include "geometry/base/text.h"
 #include "geometry/formats/mesh_formats.h"
 #include "sim/run/files/run_files.h"
-#include "ui/app/commands/app_commands.h"
 #include "ui/app/program/command_line.h"
 #include "ui/app/program/manual.h"
+#include "ui/app/script/window_help.h"
 #include "ui/app/view/camera.h"
 #include "ui/app/view/scene.h"
 #include "ui/app/view/upright.h"
@@ -213,7 +213,7 @@ int main(int argc, char** argv) try {
   Arguments a;
   CLI::App app(
       "Cuts a scan, a case or the result of a run by hand in a window; draws pictures.\n"
-      "Mouse: left cuts, right turns, middle moves, wheel zooms. Keys: docs/reference/window-commands.md.");
+      "Mouse: left cuts, right turns, middle moves, wheel zooms. Keys and commands: kerf help window.");
   app.name("kerf-sim");
   app.set_version_flag("--version", kerf::versionText("kerf-sim", KERF_WINDOW_LIBRARIES));
   app.add_option("scene", a.scenes,
@@ -239,7 +239,8 @@ int main(int argc, char** argv) try {
   app.add_flag("--watch", a.is_watched,
                "draw a script's frames as the window would, and print how long they took, how far the picture was "
                "behind the cut, and how punctual the 1 kHz loop was");
-  app.add_flag("--commands", a.lists_commands, "list the commands of the window, as Markdown");
+  app.add_flag("--commands", a.lists_commands,
+               "list the commands of the window and of its scripts, as kerf help window and kerf help script");
   app.add_option("--tool", a.tools, "a tool of the rack, by id or file; repeat for several (default: a selection)")
       ->type_name("TOOL")
       ->expected(1)
@@ -316,7 +317,7 @@ int main(int argc, char** argv) try {
   if (kerf::isManualRequest(argc, argv)) return kerf::answerManualRequest(app, argv[2]);
   if (const auto end = kerf::parseCommandLine(app, argc, argv)) return *end;
   if (a.lists_commands) {
-    kerf::printText("{}", kerf::appCommandReference());
+    for (const kerf::HelpPage& page : kerf::windowHelp()) kerf::printText("{}\n", kerf::plainText(page));
     return kerf::kOk;
   }
   if (const auto assets = kerf::requireAssets(); !assets) return complain(assets.error(), kerf::kFailed);
