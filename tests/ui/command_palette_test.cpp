@@ -30,7 +30,7 @@ TEST(FindAppCommands, AllWordsHaveToOccurAndTheLabelGoesFirst) {
   EXPECT_EQ(findAppCommands("").size(), appCommands().size());
   ASSERT_FALSE(findAppCommands("UNDO").empty());
   EXPECT_EQ(findAppCommands("UNDO")[0]->id, "edit.undo");
-  EXPECT_EQ(findAppCommands("view")[0]->menu, "View") << "the menu itself goes before \"upright in this view\"";
+  EXPECT_EQ(findAppCommands("view")[0]->menu, "View") << "the menu itself goes before \"edge-on in view\"";
   EXPECT_EQ(findAppCommands("tool next")[0]->id, "tool.next");
   EXPECT_EQ(findAppCommands("occlusal down")[0]->id, "view.top") << "by its description";
   EXPECT_TRUE(findAppCommands("undo elephant").empty());
@@ -45,7 +45,7 @@ TEST_F(CommandPaletteTest, EnterRunsWhatIsSelected) {
 }
 
 TEST_F(CommandPaletteTest, ParametersAreAskedForInTheSameLine) {
-  palette_.type("how hard");
+  palette_.type("push pressed");
   ASSERT_EQ(palette_.found()[0]->id, "cut.force");
   palette_.accept(context_);
   ASSERT_TRUE(palette_.asked());
@@ -88,7 +88,7 @@ TEST_F(CommandPaletteTest, WhatCannotBeDoneNowIsSaidAndNotDone) {
   palette_.type("edit.undo");
   palette_.accept(context_);
   EXPECT_TRUE(palette_.isShown());
-  EXPECT_NE(palette_.error().find("can not be done now"), std::string::npos);
+  EXPECT_NE(palette_.error().find("not available now"), std::string::npos);
   palette_.type(" elephant");
   palette_.accept(context_);
   EXPECT_NE(palette_.error().find("no command"), std::string::npos);

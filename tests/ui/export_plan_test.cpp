@@ -151,7 +151,7 @@ TEST_F(ExportPlanTest, NothingIsReplacedAtTheFirstWord) {
   EXPECT_EQ(plan_.replaced(), std::vector<fs::path>{besideScan("bar-cut.stl")});
   const auto refused = play("export.write\nwait\n");
   ASSERT_FALSE(refused);
-  EXPECT_NE(refused.error().message().find("there already"), std::string::npos) << refused.error().message();
+  EXPECT_NE(refused.error().message().find("an existing file"), std::string::npos) << refused.error().message();
   EXPECT_EQ(fs::file_size(besideScan("bar-cut.stl")), 4u);
   EXPECT_TRUE(plan_.asksToReplace()) << "a button, or Enter, asked for once more";
   plan_.setName("bar-cut.stl");
@@ -282,7 +282,7 @@ TEST_F(ExportPlanTest, WhatIsNotReadyIsNotWrittenBeforeSomebodyHasReadSo) {
   EXPECT_NE(blind.error().message().find("not ready to print"), std::string::npos) << blind.error().message();
   EXPECT_FALSE(fs::exists(besideScan("bar-cut.stl")));
   EXPECT_EQ(plan_.stage(), Stage::kDoubtful);
-  EXPECT_NE(allFindings().find("reach into each other"), std::string::npos) << allFindings();
+  EXPECT_NE(allFindings().find("the moved pieces overlap"), std::string::npos) << allFindings();
 
   // A script would end at that error; a person continues.
   const auto finish = [&] {
@@ -345,7 +345,7 @@ TEST_F(ExportPlanTest, QuittingAsksOnceAboutACutThatWasNotExported) {
   EXPECT_FALSE(context_.wants_quit);
   EXPECT_TRUE(context_.is_asking_to_quit);
   const std::string asked = quit::question(bench_);
-  EXPECT_EQ(asked.find("Your cut is kept in " + bench_.document->sessionFolder().string() + "; it was not exported."),
+  EXPECT_EQ(asked.find("Your cut is saved in " + bench_.document->sessionFolder().string() + ", but not exported."),
             0u)
       << asked;
 

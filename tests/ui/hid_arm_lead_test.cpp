@@ -155,7 +155,7 @@ TEST_F(HidArmLead, UnpluggedMidCutLosesNothingAndLeadsAgainWhenItIsPluggedIn) {
   EXPECT_LE(first.unplug(), kForceless);
   ASSERT_TRUE(until([&] { return !bench_->device->isLed(); })) << "it is gone: the mouse leads";
   EXPECT_FALSE(bench_->device->arm().isArmed());
-  EXPECT_NE(notices().find("is gone: no force, and it is to be armed anew"), std::string::npos) << notices();
+  EXPECT_NE(notices().find("force off; arm the device again when it is back"), std::string::npos) << notices();
   EXPECT_NE(bench_->device->arm().view().missing.find("unplugged"), std::string::npos)
       << bench_->device->arm().view().missing;
   EXPECT_GE(bench_->document->removedMm3(), removed);

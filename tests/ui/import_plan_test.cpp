@@ -81,11 +81,11 @@ TEST_F(ImportPlanTest, AUnitChangesTheSizeAndNothingIsScaledSilently) {
   EXPECT_FALSE(plan.units()[0].is_plausible) << "0.8 mm across";
 
   EXPECT_EQ(plan.unit().unit, "mm") << "two units would fit: none is taken on a guess";
-  EXPECT_NE(textOf(plan).find("no dental object"), std::string::npos) << textOf(plan);
+  EXPECT_NE(textOf(plan).find("not a dental size"), std::string::npos) << textOf(plan);
   ASSERT_TRUE(plan.setUnit("cm"));
   EXPECT_NEAR(plan.boxMm().size()[0], 6, 1e-5);
   EXPECT_EQ(plan.result().unit, "cm");
-  EXPECT_NE(textOf(plan).find("as chosen. All is scaled by 10"), std::string::npos) << textOf(plan);
+  EXPECT_NE(textOf(plan).find("as chosen. Scaled by 10"), std::string::npos) << textOf(plan);
 
   const auto refused = plan.setUnit("furlong");
   ASSERT_FALSE(refused);
@@ -216,7 +216,7 @@ TEST_F(ImportCommandsTest, AScanIsReadLookedAtAndPreparedAsChosen) {
   EXPECT_FALSE(bench.imports->plan());
   ASSERT_TRUE(bench.document->isOpen());
   EXPECT_NEAR(bench.document->scene().bounds().size()[2], 3 + 4, 0.2) << "as drawn: within a voxel";
-  EXPECT_NE(bench.notices->list().back().text.find("voxels of 0.2 mm"), std::string::npos)
+  EXPECT_NE(bench.notices->list().back().text.find("voxel size 0.2 mm"), std::string::npos)
       << bench.notices->list().back().text;
 }
 
@@ -264,8 +264,8 @@ TEST_F(ImportCommandsTest, WhatIsNoScanIsOpenedAtOnce) {
 TEST_F(ImportCommandsTest, WhatCannotBeDoneIsSaid) {
   const std::string read = "import.read \"" + block().string() + "\"\nwait\n";
   const fs::path text = folder_.write("text.stl", "no mesh");
-  const std::pair<std::string, const char*> cases[] = {{"import.unit mm", "can not be done now"},
-                                                       {"import.start", "can not be done now"},
+  const std::pair<std::string, const char*> cases[] = {{"import.unit mm", "not available now"},
+                                                       {"import.start", "not available now"},
                                                        {"import.read", "the path of a scan"},
                                                        {"import.read \"" + text.string() + "\"\nwait", "text.stl"},
                                                        {read + "import.unit", "mm, cm, m, um or inch"},

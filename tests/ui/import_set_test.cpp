@@ -235,7 +235,7 @@ TEST_F(ImportSetTest, ALabelThatIsLeftOutIsAir) {
   mustPlay(bench, "import.tissue 2 none\n");
   const auto refused = play(bench, "import.start\n");
   ASSERT_FALSE(refused) << "nothing would be there";
-  EXPECT_NE(refused.error().message().find("all labels are left out"), std::string::npos) << refused.error().message();
+  EXPECT_NE(refused.error().message().find("all labels are skipped"), std::string::npos) << refused.error().message();
   EXPECT_TRUE(bench.imports->set());
 }
 

@@ -171,7 +171,7 @@ TEST_F(ImportToolTest, WithNothingOpenItWaitsInTheRackAndIsThereTheNextTime) {
   mustPlay("import.read " + file + "\nwait\nimport.role 1 tool\nimport.start\nwait\n");
   EXPECT_FALSE(bench_.document->isOpen());
   EXPECT_FALSE(bench_.imports->isImporting());
-  EXPECT_NE(said().find("bur is in the rack"), std::string::npos) << said();
+  EXPECT_NE(said().find("bur is now in the rack"), std::string::npos) << said();
   // The same again: another name, and no overwritten file.
   mustPlay("import.read " + file + "\nwait\nimport.role 1 tool\nimport.start\nwait\n");
   EXPECT_TRUE(fs::exists(toolFolder() / "bur.toml") && fs::exists(toolFolder() / "bur-2.toml"));
@@ -305,14 +305,14 @@ TEST_F(ImportToolTest, WithEveryFileLeftOutWhatIsOpenGoesOnAsItIs) {
   EXPECT_TRUE(bench_.document->isOpen());
   EXPECT_EQ(bench_.document->generation(), before);
   EXPECT_EQ(bench_.document->sessionFolder(), session);
-  EXPECT_NE(said().find("nothing was imported"), std::string::npos) << said();
+  EXPECT_NE(said().find("Nothing imported"), std::string::npos) << said();
 }
 
 TEST_F(ImportToolTest, WithNothingOpenSomethingIsCut) {
   mustPlay("import.read " + written("36.ply", test::blockMesh(false)) + "\nwait\n");
   const auto refused = play("import.role 1 beside\n");
   ASSERT_FALSE(refused);
-  EXPECT_NE(refused.error().message().find("nothing that would be cut"), std::string::npos);
+  EXPECT_NE(refused.error().message().find("no file with the role cut"), std::string::npos);
   mustPlay("import.role 1 tool\nimport.role 1 cut\nimport.start\nwait\n");
   EXPECT_TRUE(bench_.document->isOpen());
 }

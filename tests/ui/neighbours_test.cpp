@@ -101,7 +101,7 @@ TEST_F(NeighboursTest, ItIsSeenAndPointedAtButNotWorkedOn) {
   EXPECT_NEAR(point->point[2], 0, 0.05);
   EXPECT_FALSE(bench_.strokes->over(from(6, 0)));
   EXPECT_FALSE(bench_.strokes->press(from(6, 0)));
-  EXPECT_TRUE(hasSaid("35 stands beside and is not there to be cut")) << said();
+  EXPECT_TRUE(hasSaid("35 is a neighbour and cannot be cut")) << said();
   EXPECT_TRUE(readoutAt(bench_, from(0, 0))->piece.empty());
 
   // The pointer ignores a ghost. It cannot be moved or renamed either.
@@ -112,7 +112,7 @@ TEST_F(NeighboursTest, ItIsSeenAndPointedAtButNotWorkedOn) {
   bench_.pieces->move(other->id, {Eigen::Quaterniond::Identity(), {5, 0, 0}});
   run(0.1);
   EXPECT_EQ(bench_.neighbours->find("35")->pose().translation, Vec3d::Zero());
-  EXPECT_TRUE(hasSaid("not there to be moved")) << said();
+  EXPECT_TRUE(hasSaid("cannot be moved")) << said();
   // A script that requests it ends there.
   const std::vector<std::string> words{"5", "0", "0", other->name};
   const auto moved = runAppCommand(context_, "piece.move", words);
@@ -145,11 +145,11 @@ TEST_F(NeighboursTest, HowNearTheToolIsAndWhatWasCutByAccidentIsSaid) {
   ASSERT_TRUE(bench_.strokes->press(from(kBetween, 0)));
   until([&] { return bench_.neighbours->list()[0].removed_mm3 > 0.01; });
   EXPECT_LT(bench_.monitor->nearNeighbour({})->distance_mm, 0);
-  EXPECT_FALSE(hasSaid("you have cut the neighbour")) << "a stroke is not interrupted";
+  EXPECT_FALSE(hasSaid("You cut the neighbour")) << "a stroke is not interrupted";
   bench_.strokes->release();
   run(0.4);
   const double removed = bench_.neighbours->list()[0].removed_mm3;
-  EXPECT_TRUE(hasSaid(fmt::format("you have cut the neighbour 35: {:.4f} mm3", removed))) << said();
+  EXPECT_TRUE(hasSaid(fmt::format("You cut the neighbour 35: {:.4f} mm3", removed))) << said();
   double of_object = 0;
   for (std::size_t n = 0; n < bench_.document->report().object_count; ++n)
     if (bench_.document->report().objects[n].loaded == 0) of_object += bench_.document->report().objects[n].removed_mm3;
@@ -195,12 +195,12 @@ TEST_F(NeighboursTest, BothAreExportedAndTheSessionReplays) {
   EXPECT_TRUE(checkMesh(mesh->mesh).print_ready);
   EXPECT_GT(bounds(mesh->mesh).min[0], 3.2);
   bench_.results->exportTo(folder_.path() / "35.ply", {.beside = 1});
-  EXPECT_TRUE(hasSaid("never written over")) << said();
+  EXPECT_TRUE(hasSaid("never overwrites")) << said();
 
   const fs::path session = bench_.document->sessionFolder();
   bench_.sessions->close();
   settle();
-  EXPECT_TRUE(hasSaid("were cut off the neighbour 35: kerf export")) << said();
+  EXPECT_TRUE(hasSaid("removed from the neighbour 35. Export it: kerf export")) << said();
   const auto replayed = replayRun(session);
   ASSERT_TRUE(replayed) << replayed.error().message();
   EXPECT_TRUE(replayed->is_same && replayed->is_whole) << replayed->note;
@@ -260,9 +260,9 @@ TEST_F(NeighboursTest, WhatHardlyFitsTheFrameIsSaid) {
     Vec3d shift, size;
     double scale;
     const char* expected;
-  } cases[] = {{"far", {60, 0, 0}, {6, 4, 3}, 1, "lies 54 mm away"},
-               {"large", {10, 0, 0}, {6, 4, 3}, 25.4, "another unit?"},
-               {"inside", {0.5, 0, -0.2}, {4, 3, 2}, 1, "lie inside what is worked on"}};
+  } cases[] = {{"far", {60, 0, 0}, {6, 4, 3}, 1, "is 54 mm away"},
+               {"large", {10, 0, 0}, {6, 4, 3}, 25.4, "Check the units"},
+               {"inside", {0.5, 0, -0.2}, {4, 3, 2}, 1, "lies inside the object you cut"}};
   const fs::path object = block("36", {0, 0, 0});
   for (const auto& c : cases) {
     bench_.sessions->openAll({object, block(c.name, c.shift, c.size, c.scale)});
@@ -336,7 +336,7 @@ TEST_F(RealNeighboursTest, TeethOfOnePatientStandWhereTheScanHasThem) {
   bench_.sessions->openAll({molar, canine});
   settle();
   ASSERT_EQ(bench_.neighbours->list().size(), 1u) << said();
-  EXPECT_FALSE(hasSaid("hardly in one frame") || hasSaid("another unit")) << said();
+  EXPECT_FALSE(hasSaid("same scan frame") || hasSaid("Check the units")) << said();
   const auto shown = bench_.document->scene().shown();
   ASSERT_EQ(shown.size(), 2u);
   const Vec3d apart = shown[0]->surface.bounds().center() - shown[1]->surface.bounds().center();

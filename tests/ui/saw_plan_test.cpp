@@ -317,7 +317,7 @@ TEST(SawPlan, ABadFileIsRefusedAndThePlanStays) {
                                                        {with("width = 5", "width = -5"), "width"},
                                                        {with("width = 5", "widht = 5"), "widht"},
                                                        {with("\"a\"", "\"\""), "name"},
-                                                       {head + good + good, "second time"},
+                                                       {head + good + good, "duplicate name"},
                                                        {head + "plane = 3\n", "plane"},
                                                        {"nonsense", "line 1"}};
   for (const auto& [text, words] : cases) {

@@ -210,13 +210,13 @@ TEST_F(SawingTest, ByMouseThreeClicksOrALineMakeAPlane) {
 
 TEST_F(SawingTest, WhatCannotBePlannedOrSawnIsSaidWithWhatToDo) {
   const std::pair<std::string, const char*> cases[] = {
-      {"saw.cut", "can not be done now"},
-      {"saw.move 1", "can not be done now"},
-      {"saw.line 2 2 2 40", "beside the object"},
+      {"saw.cut", "not available now"},
+      {"saw.move 1", "not available now"},
+      {"saw.line 2 2 2 40", "misses the object"},
       {"saw.line 200 150 200 151", "right across"},
       {"saw.line 200 150", "too few"},
       {"saw.plane-from-points 2 2 200 150 220 150", "nothing is there"},
-      {"saw.plane-from-points 180 150 200 150 220 150", "beside the line"},
+      {"saw.plane-from-points 180 150 200 150 220 150", "off the line"},
       {"saw.plane 0 0 0 0 0 0", "not all zero"},
       {"saw.plane 80 0 0 1 0 0", "no bone"},
       {"saw.load /nowhere/plan.toml", "/nowhere/plan.toml"},

@@ -124,12 +124,12 @@ TEST_F(TissueScene, PlanesThatTakeAllAreRefusedAndThoseThatTakeNothingAreNoted) 
   for (const char* bundle : {"box.case", "box.run"}) {
     const auto all = loadScene(in(bundle), at_x(-50));
     ASSERT_FALSE(all);
-    EXPECT_NE(all.error().message().find("takes all of the object away; the object lies in (-3.00, -2.50, -4.00)"),
+    EXPECT_NE(all.error().message().find("removes the whole object; the object lies in (-3.00, -2.50, -4.00)"),
               std::string::npos)
         << all.error().message();
     const auto nothing = loadScene(in(bundle), at_x(50));
     ASSERT_TRUE(nothing) << nothing.error().message();
-    EXPECT_NE(nothing->note.find("takes nothing away"), std::string::npos) << nothing->note;
+    EXPECT_NE(nothing->note.find("removes nothing"), std::string::npos) << nothing->note;
   }
   EXPECT_FALSE(loadScene(in("box.case"), kAcross)) << "a case has no cut";
   EXPECT_FALSE(loadScene(in("box.off"), at_x(0))) << "a mesh file has no inside";

@@ -325,7 +325,7 @@ TEST_F(TimelineTest, WhatWasTakenBackIsKeptOfASessionInWhichNothingIsLeft) {
   const fs::path gone = end();
   EXPECT_FALSE(fs::exists(gone));
   const std::string told = bench_->notices->list().back().text;
-  ASSERT_NE(told.find("is kept:\n"), std::string::npos) << told;
+  ASSERT_NE(told.find("are kept:\n"), std::string::npos) << told;
   const fs::path kept = told.substr(told.rfind('\n') + 1);
   const auto replayed = replayRun(kept);
   ASSERT_TRUE(replayed) << kept << replayed.error().message();
@@ -355,7 +355,7 @@ TEST_F(TimelineTest, WhatWasTakenBackIsKeptOfALostSessionInWhichNothingIsLeft) {
   while (next.jobs->running()) next.update();
   EXPECT_FALSE(fs::exists(lost));
   EXPECT_TRUE(next.history->lostSessions().empty());
-  EXPECT_NE(next.notices->list().back().text.find("is kept:\n"), std::string::npos) << next.notices->list().back().text;
+  EXPECT_NE(next.notices->list().back().text.find("are kept:\n"), std::string::npos) << next.notices->list().back().text;
   std::vector<double> removed;
   for (const auto& entry : fs::directory_iterator(sessions)) {
     if (next.notices->list().back().text.find(entry.path().string()) == std::string::npos) continue;

@@ -197,7 +197,7 @@ TEST_F(ToolRackTest, ABrokenFileThatTheProgramWasToldOfIsWatched) {
     bench.update();
     return bench.tools->broken().empty();
   }));
-  EXPECT_NE(bench.notices->list().back().text.find("it is in the rack"), std::string::npos)
+  EXPECT_NE(bench.notices->list().back().text.find("is now readable and in the rack"), std::string::npos)
       << bench.notices->list().back().text;
 }
 

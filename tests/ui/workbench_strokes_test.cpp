@@ -124,7 +124,7 @@ TEST_F(WorkbenchStrokesTest, AToolThatRestsOnItsShankIsToldWhileItDoes) {
   // A drive at standstill does not cut.
   ASSERT_TRUE(play("cut.depth 2\ncut.speed 0\n"));
   for (int n = 0; n < 60 && !bench_->monitor->hindrance()[0]; ++n) wait(0.25);
-  EXPECT_NE(std::string(bench_->monitor->hindrance()).find("drive stands still"), std::string::npos);
+  EXPECT_NE(std::string(bench_->monitor->hindrance()).find("drive stalled"), std::string::npos);
   ASSERT_TRUE(play("cut.release\nwait 0.1\n"));
 }
 
@@ -176,7 +176,7 @@ TEST_F(WorkbenchStrokesTest, ASessionThatEndsTellsItsNumbers) {
   EXPECT_LT(told->taken_back.least_distance.at("nerve_canal").value, 0);
   EXPECT_GT(told->taken_back.contact_force.value().value, told->contact_force->value);
   for (const char* const words : {"Removed 0.", "cortical bone 0.", "N mean", "Nearest to the",
-                                  "in a stroke taken back", "Warmest tissue", "session written"})
+                                  "in an undone stroke", "Warmest tissue", "Session saved"})
     EXPECT_NE(said().find(words), std::string::npos) << words << " in " << said();
 }
 

@@ -90,8 +90,8 @@ class Job final : public AnyJob {
       return fail({.code = Error::Code::kUnsupported,
                    .place = title_,
                    .found = "not enough memory",
-                   .expected = "more of it",
-                   .hint = "larger voxels, or close other programs"});
+                   .expected = "more free memory",
+                   .hint = "use larger voxels, or close other programs"});
     } catch (const std::exception& e) {
       return fail({.code = Error::Code::kUnsupported, .place = title_, .found = e.what()});
     }

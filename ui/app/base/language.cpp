@@ -73,9 +73,9 @@ std::optional<std::map<std::size_t, std::string>> keptOf(std::string_view text) 
 // Null: no fault.
 const char* faultOf(const PoRow& row) {
   if (std::max(row.english.size(), row.translated.size()) > Language::kLongestText) return "more than 2000 bytes";
-  if ((row.english + row.translated).find("##") != std::string::npos) return "##, which is of ids";
+  if ((row.english + row.translated).find("##") != std::string::npos) return "##, reserved for ids";
   const auto kept = keptOf(row.english);
-  if (!kept || kept != keptOf(row.translated)) return "other {} or % than in the English text, or not each once";
+  if (!kept || kept != keptOf(row.translated)) return "{} or % that differ from the English text, or repeat";
   return nullptr;
 }
 
@@ -100,7 +100,7 @@ Expected<Language> Language::read(const fs::path& file) {
   std::error_code failed;
   if (!fs::is_regular_file(file, failed)) return wrong(Error::Code::kNotFound, "", "no such file", "a PO file");
   if (fs::file_size(file, failed) > kMostBytes || failed)
-    return wrong(Error::Code::kBadFormat, "", "more than 1 MiB", "texts of a language");
+    return wrong(Error::Code::kBadFormat, "", "more than 1 MiB", "a PO file of at most 1 MiB");
 
   std::vector<PoRow> rows;
   std::ifstream in(file, std::ios::binary);
@@ -145,12 +145,12 @@ Expected<Language> Language::read(const fs::path& file) {
       if (const char* const fault = faultOf(row))
         return wrong(Error::Code::kBadValue, place, fault, "each field, conversion and percent sign as in English");
       if (!out.texts_.emplace(std::move(row.english), std::move(row.translated)).second)
-        return wrong(Error::Code::kBadValue, place, "a text a second time", "each text once");
+        return wrong(Error::Code::kBadValue, place, "a duplicate text", "each text once");
     }
   }
   if (out.name_.empty())
     return wrong(Error::Code::kBadFormat, "", "no header with charset=UTF-8 and X-Language-Name",
-                 "msgid \"\" at the beginning, as assets/languages/de.po has it");
+                 "msgid \"\" at the beginning, as in assets/languages/de.po");
   return out;
 }
 

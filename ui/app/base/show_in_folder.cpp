@@ -62,7 +62,7 @@ tl::unexpected<Error> ShowInFolder::notShown(std::string found) const {
                .place = "show in folder",
                .found = std::move(found),
                .expected = "a file manager",
-               .hint = "look yourself in " + absolutePathOf(files_.front()).parent_path().string()});
+               .hint = "open the folder yourself: " + absolutePathOf(files_.front()).parent_path().string()});
 }
 
 Expected<void> ShowInFolder::begin(std::vector<fs::path> files) {
@@ -78,7 +78,7 @@ Expected<void> ShowInFolder::begin(std::vector<fs::path> files) {
 
 Expected<void> ShowInFolder::openFolder() {
   is_by_bus_ = false;
-  if (!isOnPath("xdg-open")) return notShown("no file manager answers on D-Bus, and there is no xdg-open");
+  if (!isOnPath("xdg-open")) return notShown("no file manager on D-Bus, and no xdg-open");
   const auto started = startProgram({"xdg-open", absolutePathOf(files_.front()).parent_path().string()});
   if (!started) return notShown(started.error().found);
   child_ = *started;

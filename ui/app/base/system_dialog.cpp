@@ -103,7 +103,7 @@ tl::unexpected<Error> failed(std::string found) {
                .place = "the system's file dialog",
                .found = std::move(found),
                .expected = "a dialog",
-               .hint = "Kerf's own browser instead: Settings, or settings.dialog own"});
+               .hint = "use Kerf's own browser: in Settings, or with settings.dialog own"});
 }
 
 }  // namespace
@@ -168,7 +168,7 @@ std::optional<Expected<FileAnswer>> SystemDialog::poll() {
   takeText();  // the last output
   child_ = 0;
   ::close(std::exchange(out_, -1));
-  if (*status == -1) return Expected<FileAnswer>(failed(program_ + ": lost"));
+  if (*status == -1) return Expected<FileAnswer>(failed(program_ + ": no exit code"));
   return answerOf(*status);
 }
 

@@ -62,12 +62,12 @@ Expected<void> runAppCommand(AppContext& context, std::string_view id, AppWords 
     return fail({.code = Error::Code::kNotFound,
                  .found = fmt::format("\"{}\"", id),
                  .expected = "a command of the window",
-                 .hint = "kerf-sim --commands lists them"});
+                 .hint = "list them with kerf-sim --commands"});
   if (!command->is_enabled(context))
     return fail({.code = Error::Code::kUnsupported,
-                 .found = fmt::format("{} can not be done now", id),
-                 .expected = "an open case, and no job under way",
-                 .hint = "in a script: wait"});
+                 .found = fmt::format("{} is not available now", id),
+                 .expected = "an open session, and no running job",
+                 .hint = "use wait before it in a script"});
   return command->run(context, parameters);
 }
 

@@ -3,10 +3,10 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/device/record/arm_opener.h"
-#include "ui/app/settings/settings.h"
 #include "ui/app/commands/command_tables.h"
 #include "ui/app/document/jobs.h"
 #include "ui/app/session/arm_lead.h"
+#include "ui/app/settings/settings.h"
 #include "ui/app/workbench/force_device.h"
 
 namespace kerf::device_commands {
@@ -28,9 +28,9 @@ Expected<void> leads(AppContext& c, AppWords words) {
     now = SpaceMouseLeads::kNothing;
   else
     return wrongWord("\"" + words[0] + "\"", "tool, view or nothing");
-  c.bench.notices->say(now == SpaceMouseLeads::kTool   ? "The SpaceMouse leads the tool"
-                       : now == SpaceMouseLeads::kView ? "The SpaceMouse leads the view"
-                                                       : "The SpaceMouse leads nothing");
+  c.bench.notices->say(now == SpaceMouseLeads::kTool   ? "The SpaceMouse moves the tool"
+                       : now == SpaceMouseLeads::kView ? "The SpaceMouse moves the view"
+                                                       : "The SpaceMouse is off");
   return c.settings->save();
 }
 
@@ -58,7 +58,7 @@ Expected<void> dominant(AppContext& c, AppWords words) {
 }
 
 Expected<void> invert(AppContext& c, AppWords words) {
-  if (words.empty()) return wrongWord("nothing", "some of right, away, up, pitch, roll, yaw; or none");
+  if (words.empty()) return wrongWord("nothing", "any of right, away, up, pitch, roll, yaw; or none");
   std::string names;
   if (words.size() != 1 || words[0] != "none")
     for (const std::string& word : words) names += word + " ";
@@ -88,7 +88,7 @@ Expected<void> open(AppContext& c, AppWords words) {
 
 Expected<void> close(AppContext& c, AppWords) {
   armOf(c).close();
-  c.bench.notices->say("The force-feedback device is closed; the mouse leads.");
+  c.bench.notices->say("Force-feedback device closed. The mouse controls the tool.");
   return {};
 }
 
@@ -176,46 +176,44 @@ Expected<void> panel(AppContext& c, AppWords words) {
 }
 
 constexpr AppCommand kRows[] = {
-    {"device.leads", "Edit:2", "SpaceMouse: tool or view", "", "[tool|view|nothing]",
-     "Lets a SpaceMouse lead the tool or the view; if not told, the other one.", when::hasSettings, leads},
-    {"device.gain", "", "", "", "FACTOR", "Makes a SpaceMouse 0.1 to 4 times as fast.", when::hasSettings, gain},
-    {"device.dead-band", "", "", "", "PERCENT", "So far an axis of a SpaceMouse is at rest, 0 to 50 % of its way.",
+    {"device.leads", "Edit:2", "Switch SpaceMouse: tool or view", "", "[tool|view|nothing]",
+     "Sets whether a SpaceMouse moves the tool or the view (default: the other one).", when::hasSettings, leads},
+    {"device.gain", "", "", "", "FACTOR", "Sets the speed of a SpaceMouse, 0.1 to 4.", when::hasSettings, gain},
+    {"device.dead-band", "", "", "", "PERCENT", "Sets the dead band of the SpaceMouse axes, 0 to 50 % of their range.",
      when::hasSettings, deadBand},
-    {"device.dominant", "", "", "", "[on|off]", "Lets only that axis of a SpaceMouse count that is moved most.",
-     when::hasSettings, dominant},
+    {"device.dominant", "", "", "", "[on|off]", "Uses only the dominant axis of a SpaceMouse.", when::hasSettings,
+     dominant},
     {"device.invert", "", "", "", "AXIS...|none",
-     "Inverts axes of a SpaceMouse: right, away, up, pitch, roll, yaw; all others go as they are.", when::hasSettings,
+     "Inverts axes of a SpaceMouse: right, away, up, pitch, roll, yaw. All others are not inverted.", when::hasSettings,
      invert},
     {"device.panel", "Device", "Devices...", "", "[on|off]",
-     "Shows devices live: the force-feedback arm with what bounds its force, gamepad or joystick, SpaceMouse; or puts "
-     "them away.",
+     "Shows or hides the device panel: force-feedback device with its limits, SpaceMouse, gamepad or joystick.",
      when::always, panel},
     {"device.open", "", "", "", "NAME",
-     "Opens a force-feedback device, whose hand leads the tool when it comes: bridge, bridge:PORT, or path or serial "
-     "number. The open document goes on in a session that the device can bear.",
+     "Opens a force-feedback device: bridge, bridge:PORT, path or serial number. The device controls the tool once it "
+     "is ready. The open object continues in a new session that fits the device.",
      when::isIdle, open},
-    {"device.close", "Device", "Close the device", "", "", "Takes all force away and gives the tool back to the mouse.",
-     isOpen, close},
-    {"device.arm", "Device", "Arm: let it give force", "", "",
-     "Lets the device give force from now on, faded in. Keep a hand on it.", isOpen, arm},
-    {"device.disarm", "Device", "Disarm: no force", "F8", "", "Takes the force away at once; the hand leads on.",
-     isOpen, disarm},
-    {"device.fit", "Device", "Make the session fit the device", "", "",
-     "Goes on in a session of its own, coupled as the device can bear it now.", when::isOpenAndIdle, fit},
-    {"device.force", "", "", "", "NEWTONS", "Bounds the force of the device, 0.1 to 20 N; it may bound it more.",
+    {"device.close", "Device", "Close device", "", "", "Turns the force off and returns the tool to the mouse.", isOpen,
+     close},
+    {"device.arm", "Device", "Arm: turn force on", "", "",
+     "Turns the force of the device on; it fades in. Keep a hand on the device.", isOpen, arm},
+    {"device.disarm", "Device", "Disarm: turn force off", "F8", "",
+     "Turns the force off at once. The device still controls the tool.", isOpen, disarm},
+    {"device.fit", "Device", "Fit session to device", "", "",
+     "Continues in a new session whose coupling fits the current device.", when::isOpenAndIdle, fit},
+    {"device.force", "", "", "", "NEWTONS", "Limits the force, 0.1 to 20 N. The device may limit it further.",
      when::always, force},
-    {"device.scale", "", "", "", "FACTOR", "Sets how many mm of the scene a mm of the hand is, 0.05 to 5.",
+    {"device.scale", "", "", "", "FACTOR", "Sets the motion scale: mm in the scene per mm of the hand, 0.05 to 5.",
      when::always, scale},
     {"device.turn", "", "", "", "DEG", "Turns the device about the scene's z axis.", when::always, turn},
-    {"device.pedal", "", "", "", "[on|off]", "Lets the drive turn without button 1 of the device.", when::always,
-     pedal},
+    {"device.pedal", "", "", "", "[on|off]", "Runs the drive without button 1 of the device.", when::always, pedal},
     {"device.profile", "", "", "", "MS KG N MM",
-     "Says what the device is like: delay, mass, friction, step of its encoder. The next session is coupled by it.",
+     "Sets the device profile: delay, mass, friction, encoder step. The coupling of the next session uses it.",
      when::always, profile},
     {"device.place", "", "", "", "X Y Z",
-     "Puts the tip of the tool there, mm: where the hand is now means that place from now on.", isLeading, place},
+     "Places the tool tip at a point, in mm. The current hand position then maps to this point.", isLeading, place},
     {"device.test", "Device", "Test force: 0.5 N up", "", "[NEWTONS [X Y Z]]",
-     "Pushes the hand gently for 1.5 s, at most 1 N, along a direction of the device; up if not told.", isArmed, test},
+     "Pushes the hand gently for 1.5 s, at most 1 N, along a direction of the device (default: up).", isArmed, test},
 };
 
 }  // namespace

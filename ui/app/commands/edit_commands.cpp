@@ -51,19 +51,17 @@ Expected<void> showPalette(AppContext& c, AppWords) {
 }
 
 constexpr AppCommand kRows[] = {
-    {"edit.undo", "Edit:1", "Undo", "Ctrl+Z", "", "Takes back the last stroke.", when::isOpen, undo},
-    {"edit.redo", "Edit:1", "Redo", "Ctrl+Y", "", "Does the stroke again that was taken back last.", when::isOpen,
-     redo},
-    {"edit.go", "", "", "", "STEP", "Goes to the end of a step of the timeline; 0 is the beginning.", when::isOpen, go},
-    {"edit.begin", "Edit:1", "Back to the beginning", "Ctrl+Home", "",
-     "Takes back all steps, as far back as they are kept.", when::isOpen, begin},
-    {"edit.end", "Edit:1", "Forward to the last step", "Ctrl+End", "", "Does all steps again that were taken back.",
-     when::isOpen, end},
-    {"edit.branch", "Edit:1", "Go on with a branch", "", "[N]",
-     "Goes on with steps that were taken back before others were cut, in a session of its own; N as on the timeline, "
-     "if not told the last. What is open is kept, and is a branch then.",
+    {"edit.undo", "Edit:1", "Undo", "Ctrl+Z", "", "Undoes the last stroke.", when::isOpen, undo},
+    {"edit.redo", "Edit:1", "Redo", "Ctrl+Y", "", "Redoes the last undone stroke.", when::isOpen, redo},
+    {"edit.go", "", "", "", "STEP", "Goes to the end of a step of the timeline. 0 is the beginning.", when::isOpen, go},
+    {"edit.begin", "Edit:1", "Undo all steps", "Ctrl+Home", "", "Undoes all steps that the timeline stores.",
+     when::isOpen, begin},
+    {"edit.end", "Edit:1", "Redo all steps", "Ctrl+End", "", "Redoes all undone steps.", when::isOpen, end},
+    {"edit.branch", "Edit:1", "Continue a branch", "", "[N]",
+     "Continues a branch, undone steps that later cuts replaced, in a new session. N as in the timeline (default: the "
+     "last). Your current steps are kept as a branch.",
      hasBranches, branch},
-    {"palette.show", "Edit:2", "Commands...", "Ctrl+Shift+P", "", "Finds a command by words and runs it.", when::always,
+    {"palette.show", "Edit:2", "Commands...", "Ctrl+Shift+P", "", "Finds a command by name and runs it.", when::always,
      showPalette},
 };
 

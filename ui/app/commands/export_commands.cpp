@@ -4,9 +4,9 @@
 #include <string>
 
 #include "ui/app/base/command_words.h"
-#include "ui/app/settings/settings.h"
 #include "ui/app/document/document.h"
 #include "ui/app/document/jobs.h"
+#include "ui/app/settings/settings.h"
 #include "ui/app/workbench/export_plan.h"
 #include "ui/app/workbench/imports.h"
 #include "ui/app/workbench/scene_neighbours.h"
@@ -61,7 +61,7 @@ Expected<void> choose(AppContext& c, AppWords words) {
   }
   std::string said;
   for (const std::string& word : words) said += (said.empty() ? "" : " ") + word;
-  return wrongWord("\"" + said + "\"", "all, each, put-back, piece NAME or beside NAME, of what there is: " + offered);
+  return wrongWord("\"" + said + "\"", "all, each, put-back, piece NAME or beside NAME; available: " + offered);
 }
 
 Expected<void> format(AppContext& c, AppWords words) {
@@ -89,7 +89,7 @@ Expected<void> write(AppContext& c, AppWords words) {
   if (!plan.asksToReplace()) return {};
   return fail({.code = Error::Code::kBadValue,
                .file = plan.replaced().front().string(),
-               .found = "a file that is there already",
+               .found = "an existing file",
                .expected = "another name",
                .hint = "export.write replace, or export.to"});
 }
@@ -98,20 +98,21 @@ Expected<void> showInFolder(AppContext& c, AppWords) { return c.bench.exporting-
 
 constexpr AppCommand kRows[] = {
     {"export.show", "File:3", "Export...", "Ctrl+E", "[on|off]",
-     "Shows what is exported, in which format and where to, and checks it; or puts that away.", canShow, show},
+     "Shows or hides the export panel: content, format, file and print check.", canShow, show},
     {"export.pieces", "", "", "", "WHICH [NAME]",
-     "Chooses what is exported: all in one file, each piece in a file of its own, put-back, piece NAME, beside NAME.",
+     "Sets the content of the export: all (one file), each (one file per piece), put-back (at the scan positions), "
+     "piece NAME, or beside NAME (a neighbour).",
      isShown, choose},
-    {"export.format", "", "", "", "FORMAT",
-     "Chooses the format of the file by its name: stl, 3mf or another that is written.", isShown, format},
-    {"export.to", "", "", "", "PATH", "Chooses the file that is written; its ending is the format.", isShown, to},
-    {"export.check", "", "", "", "", "Checks again what would be exported, without writing it.", isShown, check},
+    {"export.format", "", "", "", "FORMAT", "Sets the format of the file: stl, 3mf or another writable format.",
+     isShown, format},
+    {"export.to", "", "", "", "PATH", "Sets the file to write. Its extension sets the format.", isShown, to},
+    {"export.check", "", "", "", "", "Repeats the print check without writing a file.", isShown, check},
     {"export.write", "", "", "", "[replace] [anyway]",
-     "Writes the file, reads it back and checks it; replace: one that is there already; anyway: also what is not ready "
-     "to print.",
+     "Writes the file, reads it back and checks it. replace: overwrites an existing file. anyway: also writes a mesh "
+     "that failed the print check.",
      isShown, write},
-    {"export.show-in-folder", "File:3", "Show what was exported in its folder", "", "",
-     "Shows what was exported last in the file manager of the desktop.", isWritten, showInFolder},
+    {"export.show-in-folder", "File:3", "Show export in folder", "", "",
+     "Shows the last exported file in the file manager.", isWritten, showInFolder},
 };
 
 }  // namespace

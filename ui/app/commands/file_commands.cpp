@@ -46,9 +46,9 @@ Expected<void> sessionForget(AppContext& c, AppWords words) {
   if (words.size() < 2 || words[1] != "delete")
     return fail({.code = Error::Code::kBadValue,
                  .file = c.bench.history->lostSessions()[n].folder.string(),
-                 .found = "a log that would be lost",
-                 .expected = "the word delete behind the number",
-                 .hint = "session.recover brings back what was cut in it"});
+                 .found = "no confirmation to delete the log",
+                 .expected = "the word delete after the number",
+                 .hint = "recover its cuts with session.recover"});
   c.bench.history->forgetLost(n);
   return {};
 }
@@ -98,22 +98,22 @@ Expected<void> cancelJob(AppContext& c, AppWords) {
 
 constexpr AppCommand kRows[] = {
     {"file.open", "File:1", "Open...", "Ctrl+O", "PATH",
-     "Opens a scan, a recipe or a case to cut; a scan is prepared first.", when::isIdle, openFile},
-    {"file.demo", "", "", "", "NAME", "Opens one of our own: molar, mandible or arch.", when::isIdle, openDemo},
+     "Opens a scan, a recipe or a case. Kerf prepares a scan first.", when::isIdle, openFile},
+    {"file.demo", "", "", "", "NAME", "Opens a demo: molar, mandible or arch.", when::isIdle, openDemo},
     {"file.export", "", "", "", "PATH", "Writes the cut object as a mesh, reads it back and checks it.",
      when::isOpenAndIdle, exportFile},
-    {"file.close", "File:4", "End the session", "Ctrl+W", "",
-     "Writes the session as a run that can be replayed and exported.", when::isOpenAndIdle, closeSession},
-    {"session.recover", "File:4", "Recover a session", "", "[N]",
-     "Finishes a session whose program was killed; 1 is the newest.", hasLost, recover},
-    {"session.forget", "", "", "", "N delete", "Deletes a lost session with its log, for good.", hasLostSession,
+    {"file.close", "File:4", "End session", "Ctrl+W", "", "Saves the session as a run for replay and export.",
+     when::isOpenAndIdle, closeSession},
+    {"session.recover", "File:4", "Recover session", "", "[N]", "Recovers a session after a crash. 1 is the newest.",
+     hasLost, recover},
+    {"session.forget", "", "", "", "N delete", "Permanently deletes a lost session and its log.", hasLostSession,
      sessionForget},
-    {"recent.open", "File:6", "Open the last file again", "Ctrl+Shift+O", "[N]",
-     "Opens a file that was opened before; 1 is the newest.", hasRecent, recentOpen},
-    {"recent.forget", "", "", "", "N", "Takes a file off the list of recent files; the file stays.", hasRecent,
-     recentForget},
-    {"job.cancel", "File:7", "Cancel what is under way", "", "",
-     "Ends the job under way and leaves nothing of it behind.", hasJob, cancelJob},
+    {"recent.open", "File:6", "Reopen last file", "Ctrl+Shift+O", "[N]", "Opens a recent file. 1 is the newest.",
+     hasRecent, recentOpen},
+    {"recent.forget", "", "", "", "N", "Removes a file from the list of recent files. The file itself stays.",
+     hasRecent, recentForget},
+    {"job.cancel", "File:7", "Cancel job", "", "", "Cancels the running job and discards its result.", hasJob,
+     cancelJob},
 };
 
 }  // namespace

@@ -155,7 +155,8 @@ Expected<void> importVoxel(AppContext& c, AppWords words) {
   const auto setVoxel = [&](double mm) -> Expected<void> {
     if (set.scan()) return set.scan()->setVoxel(mm);
     if (set.labels()) return set.labels()->setVoxel(mm);
-    return wrongWord("a " + set.entries()[set.chosen()].what(), "a scan or labels: the others have their voxel size");
+    return wrongWord("a " + set.entries()[set.chosen()].what(),
+                     "a scan or labels; other files have a fixed voxel size");
   };
   if (importWordOf(words, 0) == "auto") return setVoxel(0);
   KERF_TRY(mm, lengthOf(importWordOf(words, 0)));
@@ -226,47 +227,48 @@ const char* importNameOf(ImportRole role) {
 
 constexpr AppCommand kRows[] = {
     {"import.read", "", "", "", "PATH...",
-     "Reads scans or label volumes and shows what was found in them, before they are prepared: the first is to be cut, "
-     "the others stand beside it. A recipe, a case or a run alone is opened.",
+     "Reads scans or label volumes and shows the findings before preparation. The first file is the object to cut, the "
+     "others are neighbours. A single recipe, case or run opens at once.",
      when::isIdle, importRead},
-    {"import.add", "File:2", "Import one more...", "", "PATH",
-     "Reads one more, to stand beside what is looked at already.", isImporting, importAdd},
-    {"import.choose", "", "", "", "N", "Shows the choices about one of several files.", isImportingSeveral,
-     importChoose},
+    {"import.add", "File:2", "Add file to import...", "", "PATH",
+     "Reads another file and adds it to the import as a neighbour.", isImporting, importAdd},
+    {"import.choose", "", "", "", "N", "Shows the options of one of several files.", isImportingSeveral, importChoose},
     {"import.role", "", "", "", "N cut|beside|out|tool",
-     "Says what becomes of a file: it is cut, it stands beside, it is left out, or a mesh becomes a tool of the rack. "
-     "While something is open a file alone may stand beside that.",
+     "Sets the role of a file: object to cut, neighbour (beside), skipped (out), or a mesh as a tool of the rack. In "
+     "an open session a single file can be a neighbour.",
      isImporting, importRole},
     {"import.tool-axis", "", "", "", "WAY",
-     "Says which way a mesh that becomes a tool is held, from its tip to its shank: +x, -x, +y, -y, +z, -z, length, "
-     "-length, thin-end, or auto: its thinnest end is the tip.",
+     "Sets the direction from tip to shank of a mesh tool: +x, -x, +y, -y, +z, -z, length, -length, thin-end, or auto "
+     "(the thinnest end is the tip).",
      isImportingTool, importToolAxis},
-    {"import.tool-cut", "", "", "", "MM", "Says how far above its tip it cuts, 0.1 to 50 mm.", isImportingTool,
-     importToolCut},
+    {"import.tool-cut", "", "", "", "MM", "Sets the length of the cutting part above the tip, 0.1 to 50 mm.",
+     isImportingTool, importToolCut},
     {"import.tissue", "", "", "", "LABEL TISSUE|none",
-     "Says which tissue a label of a CT is: an id of materials.toml; none leaves it out.", isImportingLabels,
+     "Sets the tissue of a CT label: an id of materials.toml, or none to skip the label.", isImportingLabels,
      importTissue},
-    {"import.unit", "", "", "", "UNIT", "Takes the scan as mm, cm, m, um or inch.", isImportingScan, importUnit},
-    {"import.close", "", "", "", "WAY", "Chooses what closes the scan: automatic, base, holes or wrap.",
-     isImportingScan, importClose},
+    {"import.unit", "", "", "", "UNIT", "Sets the unit of the scan: mm, cm, m, um or inch.", isImportingScan,
+     importUnit},
+    {"import.close", "", "", "", "WAY", "Sets the closing method: automatic, base, holes or wrap.", isImportingScan,
+     importClose},
     {"import.base", "", "", "", "SHAPE [MM]",
-     "Gives the base its shape, horseshoe or full, and its thickness below the scan, 2 mm if not told.",
-     isImportingScan, importBase},
+     "Sets the shape of the base, horseshoe or full, and its thickness below the scan (default 2 mm).", isImportingScan,
+     importBase},
     {"import.smooth", "", "", "", "MM",
-     "Lets the walls of a horseshoe have no waves shorter than that, 0 to 20 mm; 0: straight under the rim.",
+     "Smooths waves shorter than this length out of the walls of a horseshoe, 0 to 20 mm. 0: straight walls under the "
+     "rim.",
      isImportingScan, importSmooth},
     {"import.plane", "", "", "", "on|off", "Makes the base parallel to the occlusal plane.", isImportingScan,
      importPlane},
-    {"import.holes", "", "", "", "MM|auto", "Fills holes up to that length around; a longer one is a rim.",
+    {"import.holes", "", "", "", "MM|auto", "Fills holes up to this circumference. A longer boundary is a rim.",
      isImportingScan, importHoles},
-    {"import.wrap", "", "", "", "MM", "Sets how wide hollows may be that a wrap bridges.", isImportingScan, importWrap},
+    {"import.wrap", "", "", "", "MM", "Sets the largest gap that a wrap bridges.", isImportingScan, importWrap},
     {"import.voxel", "", "", "", "MM|auto", "Sets the voxel size, 0.02 to 0.5 mm.", isImporting, importVoxel},
-    {"import.preview", "File:2", "Preview the closed scan", "", "",
-     "Closes the scan and shows the solid; of labels the smooth surface around their tissues.", isImporting,
+    {"import.preview", "File:2", "Preview closed scan", "", "",
+     "Closes the scan and shows the solid. For labels: shows the smooth surface of their tissues.", isImporting,
      importPreview},
-    {"import.start", "File:2", "Prepare and cut", "Enter", "", "Prepares all as chosen and opens it.", isImporting,
-     importStart},
-    {"import.cancel", "File:2", "Put the scan away", "Esc", "", "Leaves the files alone and goes back.", isImporting,
+    {"import.start", "File:2", "Prepare and cut", "Enter", "", "Prepares all files with these settings and opens them.",
+     isImporting, importStart},
+    {"import.cancel", "File:2", "Cancel import", "Esc", "", "Closes the import. The files stay unchanged.", isImporting,
      importCancel},
 };
 

@@ -29,7 +29,7 @@ Expected<const SceneObject*> neighbourOf(const AppContext& c, AppWords words, st
   else if (most)
     wanted = most->name;
   if (const SceneObject* const found = c.bench.neighbours->find(wanted)) return found;
-  return wrongWord("\"" + wanted + "\"", names.empty() ? "something that stands beside" : "one of " + names);
+  return wrongWord("\"" + wanted + "\"", names.empty() ? "a neighbour" : "one of " + names);
 }
 
 bool hasNeighbours(const AppContext& c) {
@@ -77,19 +77,19 @@ Expected<void> exportBeside(AppContext& c, AppWords words) {
 }
 
 constexpr AppCommand kRows[] = {
-    {"file.open-beside", "File:1", "Open beside...", "", "PATH",
-     "Places a scan, a recipe or a case beside what is open, where its scan is: a neighbouring tooth, the other jaw.",
+    {"file.open-beside", "File:1", "Open as neighbour...", "", "PATH",
+     "Adds a scan, a recipe or a case as a neighbour at its scan position: an adjacent tooth, the other jaw.",
      when::isIdle, openBeside},
     {"file.export-beside", "", "", "", "PATH [NEIGHBOUR]",
-     "Writes a neighbour with what was cut off it; if not told, the one that was cut most.", hasNeighboursAndIdle,
+     "Writes a neighbour with its cuts (default: the neighbour with the largest removed volume).", hasNeighboursAndIdle,
      exportBeside},
-    {"cut.spare-neighbours", "", "", "", "[MM|off]",
-     "Strokes stop that far short of what stands beside, 0.2 mm if not told.", when::always, stopShort},
+    {"cut.spare-neighbours", "", "", "", "[MM|off]", "Stops strokes at this distance from neighbours (default 0.2 mm).",
+     when::always, stopShort},
     {"neighbour.look", "", "", "", "NEIGHBOUR show|ghost|hide",
-     "Shows what stands beside, makes it a ghost that is not pointed at, or hides it; the tool meets it all the same.",
+     "Shows a neighbour, hides it, or makes it a ghost: translucent and not clickable. The tool still touches it.",
      hasNeighbours, look},
-    {"neighbour.work-on", "Piece", "Work on the neighbour", "", "[NEIGHBOUR]",
-     "Ends the session and opens the neighbour to be cut, as in its case; what was worked on stands beside it.",
+    {"neighbour.work-on", "Piece", "Switch to neighbour", "", "[NEIGHBOUR]",
+     "Ends the session and opens the case of the neighbour. The previous object becomes its neighbour.",
      hasNeighboursAndIdle, workOn},
 };
 

@@ -38,8 +38,8 @@ Expected<const SceneObject*> toMove(const AppContext& c, AppWords words, std::si
   if (!object->isBeside()) return object;
   return fail({.code = Error::Code::kUnsupported,
                .place = object->name,
-               .found = "a neighbour, which stands where its scan is: distances to it are measured there",
-               .expected = "a piece of what is worked on",
+               .found = "a neighbour: Kerf keeps it at its scan position",
+               .expected = "a piece of the object you cut",
                .hint = "neighbour.work-on " + std::to_string(object->loaded) + ", then move that"});
 }
 
@@ -168,28 +168,27 @@ bool hasPiecesAndIdle(const AppContext& c) { return piece_commands::arePieces(c)
 bool isChosenAndIdle(const AppContext& c) { return piece_commands::isChosen(c) && when::isIdle(c); }
 
 constexpr AppCommand kRows[] = {
-    {"file.export-each", "", "", "", "PATH", "Writes a file a piece, NAME-PIECE.stl.", hasPiecesAndIdle, exportEach},
-    {"file.export-piece", "", "", "", "PATH", "Writes the chosen piece alone.", isChosenAndIdle, exportChosen},
-    {"file.export-put-back", "", "", "", "PATH",
-     "Writes all pieces where they were in the scan, wherever they were moved to.", hasPiecesAndIdle, exportPutBack},
-    {"piece.choose", "", "", "", "PIECE", "Chooses a piece by its name or number; moves are of that.", when::isOpen,
-     choose},
-    {"piece.next", "Piece", "Choose the next", "Tab", "", "Chooses the next piece, after the last one none.", arePieces,
-     chooseNext},
-    {"piece.move", "", "", "", "X Y Z [PIECE]",
-     "Moves a piece by so many mm: by its name or number, if not told the chosen one.", when::isOpen, move},
+    {"file.export-each", "", "", "", "PATH", "Writes one file per piece, NAME-PIECE.stl.", hasPiecesAndIdle,
+     exportEach},
+    {"file.export-piece", "", "", "", "PATH", "Writes only the chosen piece.", isChosenAndIdle, exportChosen},
+    {"file.export-put-back", "", "", "", "PATH", "Writes all pieces at their scan positions.", hasPiecesAndIdle,
+     exportPutBack},
+    {"piece.choose", "", "", "", "PIECE", "Chooses a piece by name or number. Moves apply to the chosen piece.",
+     when::isOpen, choose},
+    {"piece.next", "Piece", "Choose next piece", "Tab", "", "Chooses the next piece; after the last piece, none.",
+     arePieces, chooseNext},
+    {"piece.move", "", "", "", "X Y Z [PIECE]", "Moves a piece, in mm: by name or number (default: the chosen piece).",
+     when::isOpen, move},
     {"piece.turn", "", "", "", "X|Y|Z DEGREES [PIECE]",
-     "Turns a piece about its middle: by its name or number, if not told the chosen one.", when::isOpen, turn},
+     "Turns a piece about its centre: by name or number (default: the chosen piece).", when::isOpen, turn},
     {"piece.put-back", "Piece", "Put back", "", "[PIECE]",
-     "Puts a piece back where it was in the scan: by its name or number, if not told the chosen one.", arePieces,
-     putBack},
+     "Returns a piece to its scan position: by name or number (default: the chosen piece).", arePieces, putBack},
     {"piece.hide", "Piece", "Hide", "H", "", "Hides the chosen piece.", isChosen, hide},
     {"piece.show-all", "Piece", "Show all", "Shift+H", "", "Shows all pieces.", when::isOpen, show},
-    {"piece.rename", "", "", "", "NAME", "Gives the chosen piece a name, for the list and for files.", when::isOpen,
-     rename},
-    {"piece.colour", "Piece", "Another colour", "", "[COLOUR|none]",
-     "Gives the chosen piece a colour in the picture, kept with the session: orange, sky, green, yellow, blue, "
-     "vermilion or purple; if not told, the next one.",
+    {"piece.rename", "", "", "", "NAME", "Names the chosen piece, for the list and for files.", when::isOpen, rename},
+    {"piece.colour", "Piece", "Change colour", "", "[COLOUR|none]",
+     "Colours the chosen piece: orange, sky, green, yellow, blue, vermilion or purple (default: the next colour). The "
+     "session keeps the colour.",
      isChosen, colour},
 };
 

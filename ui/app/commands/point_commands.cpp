@@ -60,17 +60,18 @@ Expected<void> copyPathRow(AppContext& c, AppWords words) {
 }
 
 constexpr AppCommand kRows[] = {
-    {"point.copy", "Edit:3", "Copy the point under the cursor", "Ctrl+C", "[X Y]",
-     "Copies point, normal, tissue and thickness along the view, in the scan's frame, as text.", when::isOpen,
-     copyPoint},
-    {"point.copy-row", "Edit:3", "Copy it as a row of a path", "Ctrl+Shift+C", "[X Y]",
-     "Copies the tool's pose there as a row of a path: t,x,y,z,qw,qx,qy,qz.", when::isOpen, copyPathRow},
+    {"point.copy", "Edit:3", "Copy point under cursor", "Ctrl+C", "[X Y]",
+     "Copies point, normal, tissue and thickness along the viewing direction as text, in the frame of the scan.",
+     when::isOpen, copyPoint},
+    {"point.copy-row", "Edit:3", "Copy point as path row", "Ctrl+Shift+C", "[X Y]",
+     "Copies the tool pose at the point as a row of a path: t,x,y,z,qw,qx,qy,qz.", when::isOpen, copyPathRow},
     {"measure.point", "Edit:3", "Measure from here", "M", "[X Y]",
-     "Sets a point of the surface: distances between points, and angles at them, are shown.", when::isOpen,
-     measurePoint},
-    {"measure.copy", "Edit:3", "Copy what was measured", "", "", "Copies distances and angles as text.", hasMeasure,
+     "Sets a measuring point on the surface. The window shows distances between points and angles at them.",
+     when::isOpen, measurePoint},
+    {"measure.copy", "Edit:3", "Copy measurements", "", "", "Copies distances and angles as text.", hasMeasure,
      copyMeasure},
-    {"measure.clear", "Edit:3", "Measure no more", "Shift+M", "", "Takes all points away.", hasMeasure, clearMeasure},
+    {"measure.clear", "Edit:3", "Clear measurements", "Shift+M", "", "Removes all measuring points.", hasMeasure,
+     clearMeasure},
 };
 
 }  // namespace

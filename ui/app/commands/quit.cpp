@@ -25,11 +25,9 @@ Expected<void> stay(AppContext& c, AppWords) {
 
 constexpr AppCommand kRows[] = {
     {"app.quit", "File:7", "Quit", "Ctrl+Q", "",
-     "Ends the session, writes it and closes the window; a cut that was not exported is asked about once, not in "
-     "scripts.",
+     "Saves the session and closes the window. If the cut is not exported, Kerf asks once (not in scripts).",
      when::always, quit},
-    {"app.stay", "", "", "", "", "Answers the question about a cut that was not exported: the window stays open.",
-     isAsking, stay},
+    {"app.stay", "", "", "", "", "Cancels quitting while Kerf asks about a cut that is not exported.", isAsking, stay},
 };
 
 }  // namespace
@@ -45,7 +43,8 @@ void exportFirst(AppContext& c) {
 
 std::string question(const Workbench& bench) {
   return phrase(
-      "Your cut is kept in {}; it was not exported.\nOpen that folder in Kerf to go on with it, or export it now.",
+      "Your cut is saved in {}, but not exported.\n"
+      "Export it now, or open that folder in Kerf later to continue.",
       bench.document->sessionFolder().string());
 }
 

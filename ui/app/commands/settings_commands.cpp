@@ -110,27 +110,29 @@ Expected<void> showSettings(AppContext& c, AppWords) {
 }
 
 constexpr AppCommand kRows[] = {
-    {"settings.show", "Edit:2", "Settings...", "Ctrl+,", "", "Shows the settings, or puts them away.",
-     when::hasSettings, showSettings},
-    {"sound.volume", "", "", "", "PERCENT", "Sets how loud the drill is, 0 to 100.", when::hasSettings, setVolume},
-    {"sound.mute", "Edit:2", "Mute the drill", "Ctrl+M", "[on|off]", "Silences the drill, or lets it be heard.",
+    {"settings.show", "Edit:2", "Settings...", "Ctrl+,", "", "Shows or hides the settings.", when::hasSettings,
+     showSettings},
+    {"sound.volume", "", "", "", "PERCENT", "Sets the volume of the drill sound, 0 to 100.", when::hasSettings,
+     setVolume},
+    {"sound.mute", "Edit:2", "Mute drill sound", "Ctrl+M", "[on|off]", "Mutes or unmutes the drill sound.",
      when::hasSettings, mute},
     {"settings.dialog", "", "", "", "own|system",
-     "Asks for files by Kerf's own browser, or by the system's dialog where there is one (zenity, kdialog).",
+     "Sets the file dialog: Kerf's own browser, or the system dialog if installed (zenity, kdialog).",
      when::hasSettings, setDialog},
     {"settings.language", "", "", "", "LANGUAGE",
-     "Shows the window in another language: en, de, or that of a file in the folder languages of the settings; marked: "
-     "each text that can be translated stands in «».",
+     "Sets the language of the window: en, de, or a file in the languages folder of the settings. marked: puts each "
+     "translatable text in «».",
      when::hasSettings, setLanguage},
-    {"settings.push", "", "", "", "", "Keeps push and depth of now for later sessions.", when::hasSettings, keepPush},
-    {"view.theme", "View:6", "Light or dark", "Ctrl+Shift+L", "[light|dark]", "Changes between light and dark panels.",
-     when::hasSettings, setTheme},
-    {"view.larger", "View:6", "Larger type", "Ctrl+=", "", "Makes type and panels larger.", when::hasSettings,
+    {"settings.push", "", "", "", "", "Saves the current push and depth as defaults for later sessions.",
+     when::hasSettings, keepPush},
+    {"view.theme", "View:6", "Switch light/dark theme", "Ctrl+Shift+L", "[light|dark]",
+     "Switches between light and dark panels.", when::hasSettings, setTheme},
+    {"view.larger", "View:6", "Enlarge text and panels", "Ctrl+=", "", "Enlarges text and panels.", when::hasSettings,
      makeLarger},
-    {"view.smaller", "View:6", "Smaller type", "Ctrl+-", "", "Makes type and panels smaller.", when::hasSettings,
+    {"view.smaller", "View:6", "Shrink text and panels", "Ctrl+-", "", "Shrinks text and panels.", when::hasSettings,
      makeSmaller},
-    {"view.scale", "", "", "", "FACTOR", "Sets the size of type and panels, 0.75 to 3.", when::hasSettings, setScale},
-    {"view.hints", "View:6", "Hints for the mouse", "", "[on|off]", "Shows or hides the hints.", when::hasSettings,
+    {"view.scale", "", "", "", "FACTOR", "Sets the size of text and panels, 0.75 to 3.", when::hasSettings, setScale},
+    {"view.hints", "View:6", "Toggle mouse hints", "", "[on|off]", "Shows or hides the mouse hints.", when::hasSettings,
      setHints},
 };
 

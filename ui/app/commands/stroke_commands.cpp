@@ -129,38 +129,39 @@ Expected<void> release(AppContext& c, AppWords) {
 
 constexpr AppCommand kRows[] = {
     {"tool.tilt", "", "", "", "DEG [AZIMUTH]",
-     "Leans the tool away from the normal of the surface by 0 to 75 degrees, the shank towards an azimuth in the view: "
-     "0 to the right, 90 up; if not told, as it leant or up.",
+     "Tilts the tool from the surface normal by 0 to 75 degrees, the shank towards an azimuth in the view: 0 right, 90 "
+     "up (default: the last azimuth, or up).",
      when::always, tilt},
-    {"tool.tilt-reset", "Tool:1", "Set upright", "", "", "Lets the tool stand square to the surface again.", isTilted,
-     resetTilt},
-    {"cut.force", "", "", "", "NEWTONS", "Sets how hard a pressed button pushes, 0.1 to 8 N.", when::always, setForce},
+    {"tool.tilt-reset", "Tool:1", "Reset tilt", "", "", "Sets the tool square to the surface.", isTilted, resetTilt},
+    {"cut.force", "", "", "", "NEWTONS", "Sets the push force of a pressed button, 0.1 to 8 N.", when::always,
+     setForce},
     {"cut.depth", "", "", "", "MM",
-     "Sets how deep below the surface as loaded a stroke may go, 0 to 5 mm; along a guide to its depth.", when::always,
-     setDepth},
-    {"cut.deeper", "Tool:2", "Deeper", ".", "[MM]", "Lets a stroke go deeper, by 0.1 mm if not told.", when::always,
-     deeper},
-    {"cut.shallower", "Tool:2", "Less deep", ",", "[MM]", "Lets a stroke go less deep, by 0.1 mm if not told.",
-     when::always, shallower},
+     "Sets the depth limit of a stroke below the original surface, 0 to 5 mm. A guided saw may go to the depth of its "
+     "plane.",
+     when::always, setDepth},
+    {"cut.deeper", "Tool:2", "Increase depth", ".", "[MM]",
+     "Increases the depth limit of a stroke (default: by 0.1 mm).", when::always, deeper},
+    {"cut.shallower", "Tool:2", "Decrease depth", ",", "[MM]",
+     "Decreases the depth limit of a stroke (default: by 0.1 mm).", when::always, shallower},
     {"cut.stop-short", "", "", "", "[MM|off]",
-     "Strokes stop that far short of pulp and nerve canal, 0.5 mm if not told.", when::always, stopShort},
+     "Stops strokes at this distance from pulp and nerve canal (default 0.5 mm).", when::always, stopShort},
     {"cut.press", "", "", "", "X Y", "Presses the button at a pixel: a stroke begins.", when::isOpen, press},
     {"cut.drag", "", "", "", "X Y", "Moves the pressed pointer to a pixel.", when::isOpen, drag},
-    {"cut.release", "", "", "", "", "Lets go of the button: the stroke ends.", when::isOpen, release},
+    {"cut.release", "", "", "", "", "Releases the button: the stroke ends.", when::isOpen, release},
     {"cut.nudge", "", "", "", "RIGHT UP IN",
-     "Moves a stroke by so many mm: to the right and up in the picture over the surface, and in along the tool's axis, "
-     "as far as the depth.",
+     "Moves a stroke, in mm: right and up over the surface as seen in the picture, and in along the tool axis down to "
+     "the depth limit.",
      isCutting, nudge},
-    {"cut.pedal", "Tool:2", "Foot pedal", "Space", "[on|off] [X Y]",
-     "Holds a stroke without the button, at a pixel, under the cursor or where was cut last; the key holds it while it "
-     "is down.",
+    {"cut.pedal", "Tool:2", "Press foot pedal", "Space", "[on|off] [X Y]",
+     "Holds a stroke without the button: at a pixel, under the cursor or at the last cut. The key holds it while "
+     "pressed.",
      when::isOpen, pedal},
-    {"cut.speed", "", "", "", "PERCENT", "Sets the spindle to a part of its nominal speed.", when::always, setSpeed},
-    {"cut.reverse", "Tool:2", "Turn backwards", "T", "[on|off]",
-     "Turns the drive backwards, as a motor can, until another tool is taken: diamonds cut as ever, blades and drills "
-     "only rub.",
+    {"cut.speed", "", "", "", "PERCENT", "Sets the spindle speed in percent of the nominal speed.", when::always,
+     setSpeed},
+    {"cut.reverse", "Tool:2", "Reverse drive", "T", "[on|off]",
+     "Reverses the drive of a motor until the tool changes. Diamonds still cut; blades and drills only rub.",
      when::isOpen, reverse},
-    {"cut.irrigation", "", "", "", "PERCENT", "Sets the spray, 0 to 100 % of full.", when::always, setIrrigation},
+    {"cut.irrigation", "", "", "", "PERCENT", "Sets the irrigation, 0 to 100 % of full.", when::always, setIrrigation},
 };
 
 }  // namespace

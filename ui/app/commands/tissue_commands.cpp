@@ -54,20 +54,20 @@ Expected<void> coloursOf(AppContext& context, AppWords) {
 }
 
 constexpr AppCommand kRows[] = {
-    {"view.tissue", "", "", "", "NAME show|hide|ghost",
-     "Shows a tissue, hides it, or lets what is under it shine through.", hasTissues, look},
+    {"view.tissue", "", "", "", "NAME show|hide|ghost", "Shows a tissue, hides it, or makes it translucent.",
+     hasTissues, look},
     {"view.tissues-all", "View:4", "Show all tissues", "", "", "Shows all tissues.", isAnyHidden, showAll},
     {"view.colours", "", "", "", "tissue|scan|depth|distance",
-     "Colours the surface by tissue, as it was scanned, by depth below it as loaded, or by distance to pulp and nerve "
-     "canal. A scan with colours begins with them; where it is cut, tissue has its own.",
+     "Colours the surface by tissue, by scan, by depth below the original surface, or by distance to pulp and nerve "
+     "canal. A scan with colours starts with them; its cut areas show the tissue.",
      when::isShown, colours},
-    {"view.colours-tissue", "View:4", "Colours of tissues", "", "", "Colours the surface by tissue.", when::isShown,
+    {"view.colours-tissue", "View:4", "Colour by tissue", "", "", "Colours the surface by tissue.", when::isShown,
      coloursOf<SurfaceColours::kTissue>},
-    {"view.colours-scan", "View:4", "Colours of the scan", "", "", "Colours the surface as it was scanned.",
-     hasScanColours, coloursOf<SurfaceColours::kScan>},
-    {"view.colours-depth", "View:4", "Colours of depth", "", "", "Colours the surface by depth below it as loaded.",
-     when::isShown, coloursOf<SurfaceColours::kDepth>},
-    {"view.colours-distance", "View:4", "Colours of distance to pulp and nerve", "", "",
+    {"view.colours-scan", "View:4", "Colour by scan", "", "", "Shows the colours of the scan.", hasScanColours,
+     coloursOf<SurfaceColours::kScan>},
+    {"view.colours-depth", "View:4", "Colour by depth", "", "",
+     "Colours the surface by depth below the original surface.", when::isShown, coloursOf<SurfaceColours::kDepth>},
+    {"view.colours-distance", "View:4", "Colour by pulp and nerve distance", "", "",
      "Colours the surface by distance to pulp and nerve canal.", hasStructures, coloursOf<SurfaceColours::kDistance>},
 };
 

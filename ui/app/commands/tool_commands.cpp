@@ -5,10 +5,10 @@
 #include <algorithm>
 
 #include "ui/app/base/command_words.h"
-#include "ui/app/settings/settings.h"
 #include "ui/app/commands/pointing.h"
 #include "ui/app/document/document.h"
 #include "ui/app/readout/tool_rack.h"
+#include "ui/app/settings/settings.h"
 #include "ui/app/workbench/strokes.h"
 #include "ui/app/workbench/tools.h"
 
@@ -67,13 +67,15 @@ Expected<void> previousTool(AppContext& c, AppWords) {
 }
 
 constexpr AppCommand kRows[] = {
-    {"tool.select", "", "", "", "ID", "Takes another tool.", when::isOpen, selectTool},
-    {"tool.add", "Tool:1", "Add a tool...", "", "PATH",
-     "Puts a tool's file into the rack, or reads it anew, and takes the tool.", when::isIdle, addTool},
-    {"tool.next", "Tool:1", "Next tool", "]", "", "Takes the next tool of the rack.", when::isOpen, nextTool},
-    {"tool.previous", "Tool:1", "Previous tool", "[", "", "Takes the tool before.", when::isOpen, previousTool},
-    {"tool.favourite", "Tool:1", "Favourite, or no longer", "", "[ID]",
-     "Puts a tool first in the rack, from now on, or no longer; if not told, the one in hand.", hasRack, favourite},
+    {"tool.select", "", "", "", "ID", "Chooses a tool.", when::isOpen, selectTool},
+    {"tool.add", "Tool:1", "Add tool...", "", "PATH",
+     "Adds a tool file to the rack, or reads it again, and chooses the tool.", when::isIdle, addTool},
+    {"tool.next", "Tool:1", "Choose next tool", "]", "", "Chooses the next tool of the rack.", when::isOpen, nextTool},
+    {"tool.previous", "Tool:1", "Choose previous tool", "[", "", "Chooses the previous tool of the rack.", when::isOpen,
+     previousTool},
+    {"tool.favourite", "Tool:1", "Toggle favourite", "", "[ID]",
+     "Adds a tool to the favourites at the top of the rack, or removes it (default: the current tool).", hasRack,
+     favourite},
 };
 
 }  // namespace

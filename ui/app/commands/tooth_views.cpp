@@ -81,11 +81,10 @@ Expected<ToothSides> sidesOf(const AppContext& c, const ToothPlace& place) {
     out = arch->sidesAt(place.T_world_object.inverse() * place.point);
   else
     return fail({.code = Error::Code::kUnsupported,
-                 .found = "no full arch of teeth, which would tell the sides",
-                 .expected = "a person who tells them",
-                 .hint =
-                     "look at the buccal side, then view.sides-here left (the mesial side is to the left) or right; "
-                     "or by axes of the scan, view.sides +y +x: buccal, mesial"});
+                 .found = "no full arch of teeth to find the sides from",
+                 .expected = "sides set by the user",
+                 .hint = "turn the view to the buccal side, then view.sides-here left (mesial is left) or right; or "
+                         "give the buccal and mesial axes of the scan: view.sides +y +x"});
   for (Vec3d* const side : {&out.occlusal, &out.buccal, &out.mesial}) *side = place.T_world_object.rotation * *side;
   return out;
 }
@@ -145,24 +144,26 @@ Expected<void> sides(AppContext& c, AppWords words) {
   const Vec3d up = upOf(c);
   if (told.occlusal.dot(up) < 0) told.occlusal = -told.occlusal;
   if (told.occlusal.dot(up) < std::numbers::sqrt2 / 2)
-    return wrongWord(words[0] + " and " + words[1], "two axes square to the one that is up, " + nameOfAxis(up),
-                     "view.up sets which side is up");
+    return wrongWord(words[0] + " and " + words[1], "two axes square to the up axis, " + nameOfAxis(up),
+                     "set the up axis with view.up");
   c.bench.views->told_sides = told;
   return {};
 }
 
 Expected<void> sidesHere(AppContext& c, AppWords words) {
   if (words.empty() || (words[0] != "left" && words[0] != "right"))
-    return wrongWord(words.empty() ? "no side" : "\"" + words[0] + "\"", "left or right: where the mesial side is");
+    return wrongWord(words.empty() ? "no side" : "\"" + words[0] + "\"",
+                     "left or right: the position of the mesial side");
   constexpr double kAside = 0.5;  // sine of the least angle to the occlusal axis: 30 degrees
   ToothSides told;
   told.occlusal = upOf(c).normalized();
   const Vec3d back = c.camera.backwards(), level = back - told.occlusal.dot(back) * told.occlusal;
   if (level.norm() < kAside)
-    return fail({.code = Error::Code::kUnsupported,
-                 .found = "a view along the occlusal axis",
-                 .expected = "one of the buccal side",
-                 .hint = "turn the view until that side faces you (right button), then again"});
+    return fail(
+        {.code = Error::Code::kUnsupported,
+         .found = "a view along the occlusal axis",
+         .expected = "a view of the buccal side",
+         .hint = "turn the view with the right button until the buccal side faces you, then repeat the command"});
   told.buccal = level.normalized();
   told.mesial = told.occlusal.cross(told.buccal);
   if (told.mesial.dot(c.camera.right()) * (words[0] == "right" ? 1 : -1) < 0) told.mesial = -told.mesial;
@@ -183,8 +184,8 @@ Expected<void> thisIsBuccal(AppContext& context, AppWords) {
 
 constexpr AppCommand kRows[] = {
     {"view.occlusal", "View:2", "Occlusal: this tooth", "0", "[X Y]",
-     "Looks square to the occlusal plane at a tooth: at a pixel, under the cursor, the chosen piece, or in the middle "
-     "of the view; the front of the arch is up.",
+     "Looks at a tooth square to the occlusal plane, with the front of the arch up. The tooth is at a pixel, under the "
+     "cursor, the chosen piece, or at the centre of the view.",
      when::isShown, lookAt<ToothSide::kOcclusal>},
     {"view.buccal", "View:2", "Buccal: this tooth", "8", "[X Y]",
      "Looks at the buccal (labial) side of a tooth, from outside the arch.", when::isShown, lookAt<ToothSide::kBuccal>},
@@ -198,15 +199,14 @@ constexpr AppCommand kRows[] = {
      "Looks at the distal side of a tooth, along the arch from its end and 45 degrees above it.", when::isShown,
      lookAt<ToothSide::kDistal>},
     {"view.sides", "", "", "", "BUCCAL MESIAL|auto",
-     "Tells which sides are buccal and mesial where no full arch does: +x, -x, +y, -y, +z, -z; auto: as the arch says.",
+     "Sets the buccal and the mesial side if the scan has no full arch: +x, -x, +y, -y, +z, -z; auto: from the arch.",
      when::isShown, sides},
     {"view.sides-here", "", "", "", "left|right",
-     "Tells that this view is of the buccal side, with the mesial one to the left or right.", when::isShown, sidesHere},
-    {"view.sides-left", "View:2", "This is buccal, mesial to the left", "", "",
-     "Tells that this view is of the buccal side, with the mesial one to the left.", when::isShown, thisIsBuccal<true>},
-    {"view.sides-right", "View:2", "This is buccal, mesial to the right", "", "",
-     "Tells that this view is of the buccal side, with the mesial one to the right.", when::isShown,
-     thisIsBuccal<false>},
+     "Sets this view as the buccal side, with mesial to the left or right.", when::isShown, sidesHere},
+    {"view.sides-left", "View:2", "Set as buccal, mesial left", "", "",
+     "Sets this view as the buccal side, with mesial to the left.", when::isShown, thisIsBuccal<true>},
+    {"view.sides-right", "View:2", "Set as buccal, mesial right", "", "",
+     "Sets this view as the buccal side, with mesial to the right.", when::isShown, thisIsBuccal<false>},
 };
 
 }  // namespace

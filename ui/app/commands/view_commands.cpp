@@ -5,11 +5,11 @@
 #include <numbers>
 
 #include "ui/app/base/command_words.h"
-#include "ui/app/settings/settings.h"
 #include "ui/app/commands/command_tables.h"
 #include "ui/app/commands/pointing.h"
 #include "ui/app/document/document.h"
 #include "ui/app/document/view_state.h"
+#include "ui/app/settings/settings.h"
 
 namespace kerf::view_commands {
 namespace {
@@ -120,7 +120,7 @@ Expected<void> plots(AppContext& c, AppWords words) {
 Expected<void> screenshot(AppContext& c, AppWords words) {
   KERF_TRY(path, pathOf(words));
   if (c.screenshot) return c.screenshot(path);
-  return wrongWord("nothing is drawn here", "a window, or a picture without one");
+  return wrongWord("no picture: this program draws none", "a window or an offscreen picture");
 }
 
 template <std::size_t N>
@@ -130,39 +130,41 @@ Expected<void> namedView(AppContext& context, AppWords) {
 }
 
 constexpr AppCommand kRows[] = {
-    {"view.fit", "View:1", "Fit", "F", "", "Shows all of the object.", when::isShown, fit},
+    {"view.fit", "View:1", "Fit", "F", "", "Shows the whole object.", when::isShown, fit},
     {"view.front", "View:1", "Front", "1", "", "Looks along +y, where +z is up.", when::always, namedView<0>},
     {"view.back", "View:1", "Back", "2", "", "Looks along -y.", when::always, namedView<1>},
     {"view.left", "View:1", "Left", "3", "", "Looks along +x.", when::always, namedView<2>},
     {"view.right", "View:1", "Right", "4", "", "Looks along -x.", when::always, namedView<3>},
-    {"view.top", "View:1", "Top", "5", "", "Looks down on the side that is up, the occlusal one of a scan.",
-     when::always, namedView<4>},
+    {"view.top", "View:1", "Top", "5", "", "Looks down on the upper side; for a scan the occlusal side.", when::always,
+     namedView<4>},
     {"view.bottom", "View:1", "Bottom", "6", "", "Looks up from below.", when::always, namedView<5>},
-    {"view.iso", "View:1", "Oblique", "7", "", "Looks from in front, above and the right.", when::always, namedView<6>},
+    {"view.iso", "View:1", "Oblique", "7", "", "Looks from the front, above and the right.", when::always,
+     namedView<6>},
     {"view.from", "", "", "", "NAME|AZ,EL", "Looks from a named side or two angles in degrees.", when::always, view},
     {"view.up", "", "", "", "AXIS|auto",
-     "Turns the view so that a side of the scan is up: +x, -x, +y, -y, +z, -z; auto: its occlusal side, as when it was "
-     "opened. Coordinates stay those of the scan.",
+     "Sets the side of the scan that is up: +x, -x, +y, -y, +z, -z; auto: the occlusal side, as after opening. "
+     "Coordinates stay those of the scan.",
      when::isShown, up},
-    {"view.section", "View:3", "Cut open", "X", "[X Y]",
-     "Takes away what is nearer than the point under the cursor, or than the middle; again: shows all.", when::isShown,
-     cutOpen},
-    {"view.section-deeper", "View:3", "Section deeper", "PageDown", "[MM]",
-     "Moves the section away, 0.2 mm if not told.", hasSection, sectionDeeper},
-    {"view.section-nearer", "View:3", "Section nearer", "PageUp", "[MM]",
-     "Moves the section towards the viewer of before, 0.2 mm if not told.", hasSection, sectionNearer},
-    {"view.plots", "View:3", "Plots of the last 20 s", "", "[on|off]",
-     "Shows force, torque, spindle, depth and volume rate over time, or puts them away.", when::always, plots},
-    {"view.zoom", "", "", "", "FACTOR [X Y]",
-     "Makes things larger by a factor, about the middle or a pixel as the wheel does.", when::always, zoom},
+    {"view.section", "View:3", "Toggle section", "X", "[X Y]",
+     "Hides everything in front of the point under the cursor, or of the centre. Again: shows the whole object.",
+     when::isShown, cutOpen},
+    {"view.section-deeper", "View:3", "Move section deeper", "PageDown", "[MM]",
+     "Moves the section deeper (default 0.2 mm).", hasSection, sectionDeeper},
+    {"view.section-nearer", "View:3", "Move section nearer", "PageUp", "[MM]",
+     "Moves the section back towards its original viewpoint (default 0.2 mm).", hasSection, sectionNearer},
+    {"view.plots", "View:3", "Show plots of last 20 s", "", "[on|off]",
+     "Shows or hides plots of force, torque, spindle speed, depth and volume rate.", when::always, plots},
+    {"view.zoom", "", "", "", "FACTOR [X Y]", "Zooms by a factor, about the centre of the view or a pixel.",
+     when::always, zoom},
     {"view.perspective", "View:5", "Perspective", "O", "[DEG|off]",
-     "Shows near things larger, with a field of view of 5 to 90 degrees from the lower to the upper edge, the one of "
-     "the settings if not told; again: parallel lines stay parallel, as at first.",
+     "Toggles perspective. DEG sets the vertical field of view, 5 to 90 degrees (default: the one of the settings). "
+     "Off: parallel projection.",
      when::always, perspective},
-    {"view.roll", "View:5", "Turn the picture", "R", "[DEG]",
-     "Turns what is seen clockwise in the picture, by 15 degrees if not told.", when::always, roll},
-    {"view.level", "View:5", "Upright again", "Shift+R", "", "Takes back all turns of the picture.", isRolled, level},
-    {"picture.write", "", "", "", "OUT.png", "Writes what is shown as a picture.", when::always, screenshot},
+    {"view.roll", "View:5", "Roll view", "R", "[DEG]", "Turns the view clockwise in the picture (default 15 degrees).",
+     when::always, roll},
+    {"view.level", "View:5", "Reset roll", "Shift+R", "", "Resets all turns of the view in the picture.", isRolled,
+     level},
+    {"picture.write", "", "", "", "OUT.png", "Writes the view as a PNG picture.", when::always, screenshot},
 };
 
 }  // namespace

@@ -58,7 +58,7 @@ GameController::State::State() {
   SDL_SetHint(SDL_HINT_JOYSTICK_HIDAPI, "0");
   has_sdl = SDL_InitSubSystem(SDL_INIT_GAMECONTROLLER) == 0;
   if (!has_sdl) {
-    trouble = phrase("No gamepad can be read: {}", SDL_GetError());
+    trouble = phrase("Cannot read gamepads: {}", SDL_GetError());
     return;
   }
   // Kerf polls states, so no events fill SDL's queue.

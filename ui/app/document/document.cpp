@@ -115,7 +115,7 @@ void Document::takeRun() {
   const RecorderStatus log = run_->recorderStatus();
   if (!log.error || std::exchange(has_told_of_log_, true)) return;
   Error error = *log.error;
-  error.hint = "free some space and end the session: what was cut is kept, the log ends here";
+  error.hint = "free disk space and end the session: your cuts are kept, the log ends here";
   notices_.complain(error);
 }
 

@@ -38,7 +38,7 @@ void FileHistory::forgetLost(std::size_t n) {
   if (const auto done = discardSession(folder); !done)
     notices_.complain(done.error());
   else
-    notices_.say(phrase("deleted as asked: {}", folder.string()));
+    notices_.say(phrase("Deleted: {}", folder.string()));
   lost_ = findLostSessions(options_.data_folder);
 }
 
@@ -64,8 +64,8 @@ RecoveredSession recoverSession(const LostSession& lost, const fs::path& data, c
 }
 
 std::string tellEmpty(const DroppedRuns& dropped) {
-  if (dropped.runs.empty()) return "nothing had been cut in that session";
-  std::string out = "nothing is left of the session; what was taken back in it is kept:";
+  if (dropped.runs.empty()) return "That session has no cuts.";
+  std::string out = "No steps are left in the session. Its undone steps are kept:";
   for (const auto& [began, run] : dropped.runs) out += fmt::format("\n{}", run.string());
   return out;
 }
@@ -87,7 +87,7 @@ void FileHistory::recover(std::size_t n) {
       const bool differs = !replay.is_same && replay.checks > 0;
       notices_.add({differs, fmt::format("recovered {:.1f} s, {:.3f} mm3 removed: {}\n{}{}",
                                          recovered->manifest.duration_s, replay.removed_mm3, folder.string(),
-                                         replay.note, differs ? "; it DIFFERS from what was recorded" : "")});
+                                         replay.note, differs ? "; it DIFFERS from the recording" : "")});
     } else if (recovered.error().code != Error::Code::kEmpty) {
       notices_.complain(recovered.error());
     } else if (over->dropped.failed) {

@@ -9,7 +9,7 @@ void Jobs::cancel() {
 bool Jobs::isBusy() {
   if (!job_) return false;
   notices_.complain({.code = Error::Code::kUnsupported,
-                     .found = "still at work: " + job_->status().title,
+                     .found = "a job is running: " + job_->status().title,
                      .hint = "wait for it, or cancel it"});
   return true;
 }

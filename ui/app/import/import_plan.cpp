@@ -89,7 +89,7 @@ Expected<ScanFound> readScan(const fs::path& path, const Progress& progress) {
                  .expected = "a surface",
                  .hint = "export the scan as a mesh, not as points"});
 
-  if (!report(progress, 0.5, "looking at the surface")) return cancelled();
+  if (!report(progress, 0.5, "checking the surface")) return cancelled();
   ScanFound out;
   out.file = path;
   out.format = file.format;
@@ -97,7 +97,7 @@ Expected<ScanFound> readScan(const fs::path& path, const Progress& progress) {
   out.notes = std::move(file.notes);
   out.check = checkMesh(file.mesh, {.max_self_intersections = kMostCrossings});
 
-  if (!report(progress, 0.8, "looking for the occlusal plane")) return cancelled();
+  if (!report(progress, 0.8, "finding the occlusal plane")) return cancelled();
   KERF_TRY(unit, chooseUnit(out.check.box, "", out.declared_unit));
   const Mesh in_mm = scaled(file.mesh, unit.scale_to_mm);
   if (const auto away = awayFromOpening(in_mm)) {
@@ -219,18 +219,16 @@ Prediction ImportPlan::prediction() const {
 std::string ImportPlan::reasonOfUnit() const {
   const std::string& declared = found_.declared_unit;
   if (!choice_.unit.empty())
-    return declared.empty() || declared == choice_.unit ? "as chosen"
-                                                        : phrase("as chosen, though the file says {}", declared);
+    return declared.empty() || declared == choice_.unit ? "as chosen" : phrase("as chosen; the file says {}", declared);
   if (!declared.empty()) return "as the file says";
 
   std::string others;
   for (const UnitOption& option : units_)
     if (option.is_plausible && option.unit != unit().unit) others += (others.empty() ? "" : ", ") + option.unit;
-  if (!unit().is_plausible) return "taken as it is, for no other unit fits alone; the file names none";
-  if (unit().scale_to_mm != 1) return "the only unit in which this is dental; the file names none";
-  return unit_is_doubtful_ && !others.empty()
-             ? phrase("by its size, but {} would fit, too; the file names none", others)
-             : "by its size; the file names none";
+  if (!unit().is_plausible) return "unchanged, because no other unit fits alone; the file names no unit";
+  if (unit().scale_to_mm != 1) return "the only unit with a dental size; the file names no unit";
+  return unit_is_doubtful_ && !others.empty() ? phrase("by size, but {} would also fit; the file names no unit", others)
+                                              : "by size; the file names no unit";
 }
 
 std::vector<Finding> ImportPlan::findings() const {
@@ -241,9 +239,9 @@ std::vector<Finding> ImportPlan::findings() const {
   const Vec3d size = unit().size_mm;
   out.push_back({unit().is_plausible ? Weight::kFine : Weight::kDoubtful, "Size",
                  fmt::format("{:.1f} x {:.1f} x {:.1f} mm{}", size[0], size[1], size[2],
-                             shownText(unit().is_plausible ? "" : ": no dental object is that large or small"))});
+                             shownText(unit().is_plausible ? "" : ": not a dental size. Check the unit"))});
   const double scale = unit().scale_to_mm;
-  const std::string scaling = scale == 1 ? shownText("Nothing is scaled") : phrase("All is scaled by {:g}", scale);
+  const std::string scaling = scale == 1 ? shownText("Not scaled") : phrase("Scaled by {:g}", scale);
   out.push_back({unit_is_doubtful_ ? Weight::kDoubtful : Weight::kFine, "Unit",
                  fmt::format("{}: {}. {}", unit().unit, shownText(reasonOfUnit()), scaling)});
   out.push_back({Weight::kFine, "Mesh",
@@ -252,24 +250,22 @@ std::vector<Finding> ImportPlan::findings() const {
 
   // Open or closed.
   if (r.isClosed()) {
-    out.push_back({Weight::kFine, "Surface", "closed: a solid already, nothing has to be added"});
+    out.push_back({Weight::kFine, "Surface", "closed: a solid already"});
   } else {
     const std::size_t rims = rimCount(), holes = r.boundary_loops.size() - rims;
     if (rims > 0)
-      out.push_back(
-          {Weight::kMended, "Surface",
-           rims > 1
-               ? phrase("open: the underside is missing, as in a scan from the mouth. It gets a flat base along {} "
-                        "rims, the longest {:.0f} mm",
-                        rims, rimMm())
-               : phrase("open: the underside is missing, as in a scan from the mouth. It gets a flat base along a rim "
-                        "of {:.0f} mm",
-                        rimMm())});
+      out.push_back({Weight::kMended, "Surface",
+                     rims > 1 ? phrase("open: the underside is missing, as in an intraoral scan. Kerf adds a flat base "
+                                       "along {} rims, the longest {:.0f} mm",
+                                       rims, rimMm())
+                              : phrase("open: the underside is missing, as in an intraoral scan. Kerf adds a flat base "
+                                       "along a rim of {:.0f} mm",
+                                       rimMm())});
     else
-      out.push_back({Weight::kMended, "Surface", "open: it has holes, but an underside"});
+      out.push_back({Weight::kMended, "Surface", "open: holes, but the underside is present"});
     if (holes > 0)
       out.push_back({Weight::kMended, "Holes",
-                     phrase("{}, the largest {:.1f} mm around: filled", counted(holes, "hole", "holes"),
+                     phrase("{}, circumference up to {:.1f} mm: filled", counted(holes, "hole", "holes"),
                             unit().scale_to_mm * r.boundary_loops[rims].length)});
   }
 
@@ -280,14 +276,14 @@ std::vector<Finding> ImportPlan::findings() const {
                           shownText(r.self_intersections >= kMostCrossings ? "at least " : ""),
                           counted(r.self_intersections, "pair of triangles", "pairs of triangles"))});
   if (r.flipped_edges + r.inward_pieces > 0)
-    out.push_back({Weight::kMended, "Inside out", "parts face inwards: turned"});
+    out.push_back({Weight::kMended, "Inside out", "parts face inwards: flipped"});
   if (r.non_manifold_edges + r.non_manifold_vertices > 0)
     out.push_back({Weight::kMended, "Touching",
-                   phrase("surfaces touch in {}: taken apart",
+                   phrase("surfaces touch in {}: separated",
                           counted(r.non_manifold_edges + r.non_manifold_vertices, "place", "places"))});
   if (r.degenerate_triangles + r.duplicate_triangles > 0)
-    out.push_back({Weight::kMended, "Waste",
-                   phrase("{} without area or twice there: dropped",
+    out.push_back({Weight::kMended, "Degenerate",
+                   phrase("{} without area or duplicate: removed",
                           counted(r.degenerate_triangles + r.duplicate_triangles, "triangle", "triangles"))});
   for (const std::string& note : found_.notes) out.push_back({Weight::kDoubtful, "File", note});
   return out;

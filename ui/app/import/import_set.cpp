@@ -34,9 +34,9 @@ Expected<void> requireFile(const fs::path& file) {
   if (!fs::is_directory(file, ignored)) return {};
   return fail({.code = Error::Code::kUnsupported,
                .file = file.string(),
-               .found = isFolderOfMeshes(file) ? "a folder with meshes in it"
-                                               : "a folder without slices of a CT, and no case, session or recipe",
-               .expected = "one with nothing but a DICOM series or slice pictures of labels, or a file",
+               .found = isFolderOfMeshes(file) ? "a folder with meshes"
+                                               : "a folder without slices of a CT that is no case, session or recipe",
+               .expected = "a folder with only a DICOM series or label slices, or a file",
                .hint = "drop the files in it, several together"});
 }
 
@@ -176,15 +176,15 @@ Expected<void> ImportSet::setRole(std::size_t n, ImportRole role, bool may_lack_
     return fail({.code = Error::Code::kUnsupported,
                  .place = entry.file.filename().string(),
                  .found = "a " + entry.what(),
-                 .expected = "a mesh, to be a tool"});
+                 .expected = "a mesh for a tool"});
   const bool is_last_cut = cut() == &entry || !cut();
   const bool is_put_beside = role == ImportRole::kBeside || role == ImportRole::kOut;
   if (is_last_cut && is_put_beside && !may_lack_cut)
     return fail({.code = Error::Code::kBadValue,
                  .place = entry.file.filename().string(),
-                 .found = "nothing that would be cut",
-                 .expected = "one file that is cut",
-                 .hint = "let another one be cut first"});
+                 .found = "no file with the role cut",
+                 .expected = "one file with the role cut",
+                 .hint = "give the role cut to another file first"});
   if (role == ImportRole::kCut)
     for (ImportEntry& other : entries_)
       if (other.role == ImportRole::kCut) other.role = ImportRole::kBeside;
@@ -216,8 +216,10 @@ std::vector<Finding> ImportSet::findings() const {
     const Box3 box = boxOf(entry);
     if (box.isEmpty() || first.isEmpty()) continue;
     if (const double gap = gapBetween(first, box); gap > kFar)
-      out.push_back({Finding::Weight::kDoubtful, "Frame",
-                     phrase("{} is {:.0f} mm away: scans of one frame meet, or nearly so", name, gap)});
+      out.push_back(
+          {Finding::Weight::kDoubtful, "Frame",
+           phrase("{} is {:.0f} mm away: scans of one frame touch or nearly touch. Check that both share a frame", name,
+                  gap)});
   }
   return out;
 }
@@ -227,18 +229,18 @@ Expected<void> ImportSet::requireReady() const {
     if (entry.role != ImportRole::kOut && entry.labels && entry.labels->isEmpty())
       return fail({.code = Error::Code::kEmpty,
                    .file = entry.file.string(),
-                   .found = "no tissue: all labels are left out",
-                   .expected = "a tissue for one label at least",
+                   .found = "no tissue: all labels are skipped",
+                   .expected = "a tissue for at least one label",
                    .hint = "import.tissue LABEL TISSUE"});
   for (const ImportEntry& entry : entries_)
     if (doUnitsDiffer(cut(), entry))
       return fail({.code = Error::Code::kBadValue,
                    .file = entry.file.string(),
                    .place = "unit",
-                   .found = fmt::format("{} by its size, but {} for {}", entry.scan->unit().unit,
-                                        cut()->scan->unit().unit, cut()->file.string()),
+                   .found = fmt::format("{} by size, but {} for {}", entry.scan->unit().unit, cut()->scan->unit().unit,
+                                        cut()->file.string()),
                    .expected = "one unit for all files of a frame",
-                   .hint = "choose the unit of one of them: import.unit mm, or whichever it is"});
+                   .hint = "choose the unit of one of them, for example import.unit mm"});
   return {};
 }
 

@@ -81,7 +81,7 @@ Expected<ClosedPreview> surfaceOf(const LabelVolume& volume, const Wanted& wante
   for (const LabelVolumeReport& r : smooth.reports())
     if (r.pieces_now < r.pieces)
       out.changes.push_back(
-          phrase("label {}: {} of {} pieces are left, specks vanish or merge", r.label, r.pieces_now, r.pieces));
+          phrase("label {}: {} of {} pieces remain; specks vanish or merge", r.label, r.pieces_now, r.pieces));
   out.volume_mm3 = signedVolume(mesh);
   out.area_mm2 = surfaceArea(mesh);
 
@@ -131,10 +131,10 @@ Expected<LabelsFound> readLabels(const fs::path& file, const Progress& progress)
   if (out.labels.empty())
     return fail({.code = Error::Code::kEmpty,
                  .file = file.string(),
-                 .found = "a volume in which nothing is labelled",
-                 .expected = "labels from 1 on",
+                 .found = "a volume without labels",
+                 .expected = "labels from 1 upwards",
                  .hint = "segment it first, for example with 3D Slicer"});
-  if (!report(progress, 0.8, "looking for walls between labels")) return cancelled();
+  if (!report(progress, 0.8, "finding walls between labels")) return cancelled();
   survey(volume, out);
   out.volume = std::make_shared<const LabelVolume>(std::move(volume));
   out.seconds = labelSecondsSince(began);
@@ -208,18 +208,20 @@ std::vector<Finding> LabelPlan::findings() const {
   const Vec3d size = found_.box.size();
   const double across = size.norm();
   out.push_back({across > 3 && across < 400 ? LabelWeight::kFine : LabelWeight::kDoubtful, "Size",
-                 phrase("{:.1f} x {:.1f} x {:.1f} mm are labelled", size[0], size[1], size[2])});
+                 phrase("labelled region: {:.1f} x {:.1f} x {:.1f} mm", size[0], size[1], size[2])});
   const bool has_names = std::any_of(found_.labels.begin(), found_.labels.end(),
                                      [](const LabelFound& label) { return !label.name.empty(); });
   const std::string labels = fmt::format("{} label{}", found_.labels.size(), found_.labels.size() == 1 ? "" : "s");
-  out.push_back(has_names ? Finding{LabelWeight::kFine, "Labels", labels + ", tissues by their names: look them over"}
-                          : Finding{LabelWeight::kDoubtful, "Labels",
-                                    labels + " without names: what is no tissue of its own is cut as generic tissue"});
-  if (isEmpty()) out.push_back({LabelWeight::kDoubtful, "Tissue", "all labels are left out: nothing is there to cut"});
+  out.push_back(has_names
+                    ? Finding{LabelWeight::kFine, "Labels", labels + ", tissues assigned by name: check them"}
+                    : Finding{LabelWeight::kDoubtful, "Labels",
+                              labels + " without names: Kerf cuts them as generic tissue unless you assign tissues"});
+  if (isEmpty())
+    out.push_back({LabelWeight::kDoubtful, "Tissue", "no label has a tissue: choose a tissue for at least one"});
   const double thinnest = v.spacing.minCoeff();
   if (voxel() > 1.01 * thinnest)
     out.push_back({LabelWeight::kDoubtful, "Voxels",
-                   phrase("coarser than those of the volume, {:.3g} mm: thin parts are lost", thinnest)});
+                   phrase("coarser than the volume, {:.3g} mm: thin parts are lost", thinnest)});
   return out;
 }
 
@@ -287,7 +289,7 @@ Prediction LabelPlan::prediction() const {
 }
 
 std::string LabelPlan::recipe() const {
-  std::string out = "# Written by kerf-sim from what was chosen about a label volume.\n";
+  std::string out = "# Written by kerf-sim from the import settings of a label volume.\n";
   out += fmt::format("format = \"kerf-recipe\"\nversion = 1\nname = {}\nvoxel = {:g}\n",
                      quotedLabel(found_.file.stem().stem().string()), voxel());
   for (const LabelFound& label : found_.labels)

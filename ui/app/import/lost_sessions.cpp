@@ -55,15 +55,15 @@ Expected<void> discardSession(const fs::path& folder) {
     return fail({.code = Error::Code::kUnsupported,
                  .file = folder.string(),
                  .found = "a run that has ended",
-                 .expected = "a session whose program is gone",
+                 .expected = "a session without a running program",
                  .hint = "delete the folder yourself if it is not needed"});
   const auto lock = RunLock::take(folder);
   if (!lock)
     return fail({.code = Error::Code::kUnsupported,
                  .file = folder.string(),
-                 .found = "another program works on it",
-                 .expected = "a session whose program is gone",
-                 .hint = "it is no lost session any more"});
+                 .found = "another program is using it",
+                 .expected = "a session without a running program",
+                 .hint = "it is no longer a lost session"});
   KERF_CHECK(requireOnlyOurs(folder, kRunManifest));
 
   std::error_code failed;
@@ -73,7 +73,7 @@ Expected<void> discardSession(const fs::path& folder) {
                .file = folder.string(),
                .found = failed.message(),
                .expected = "a folder that can be deleted",
-               .hint = "delete it yourself"});
+               .hint = "delete the folder yourself"});
 }
 
 DroppedRuns keepDropped(const fs::path& session, const std::vector<std::uint64_t>& dropped, const fs::path& data,

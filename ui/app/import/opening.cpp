@@ -72,9 +72,9 @@ struct Prepared {
 
 std::vector<std::string> notesOf(const CaseManifest& manifest) {
   std::vector<std::string> out = manifest.changes;
-  out.push_back(phrase("cut in voxels of {:g} mm", manifest.voxel_mm));
+  out.push_back(phrase("voxel size {:g} mm", manifest.voxel_mm));
   for (const CaseSource& source : manifest.sources) {
-    std::string line = phrase("read as {}: {}", source.unit, shownText(source.unit_reason));
+    std::string line = phrase("unit {}: {}", source.unit, shownText(source.unit_reason));
     if (std::find(out.begin(), out.end(), line) == out.end()) out.push_back(std::move(line));
   }
   return out;
@@ -90,8 +90,8 @@ Expected<fs::path> writeRecipe(const fs::path& volume, const OpeningOptions& opt
     if (plan.isEmpty())
       return fail({.code = Error::Code::kEmpty,
                    .file = volume.string(),
-                   .found = "labels whose names say that they are no tissue",
-                   .expected = "one that is",
+                   .found = "labels, but none with the name of a tissue",
+                   .expected = "at least one tissue",
                    .hint = "choose tissues in the import panel, or write a recipe (docs/reference/recipes.md)"});
     text = plan.recipe();
   }
@@ -115,7 +115,7 @@ Expected<Prepared> prepare(const fs::path& path, const OpeningOptions& options, 
     OpeningOptions as_recipe = options;
     as_recipe.prepare = {};
     KERF_TRY(prepared, prepare(recipe, as_recipe, partOf(progress, 0.1, 1)));
-    prepared.notes.push_back(phrase("baked by the recipe {}", recipe.string()));
+    prepared.notes.push_back(phrase("baked with the recipe {}", recipe.string()));
     return std::move(prepared);
   }
   const bool is_recipe = kind == FileKind::kRecipe;
@@ -183,7 +183,7 @@ Expected<std::vector<CaseBeside>> prepareBeside(const fs::path& case_folder, con
   if (partner && std::none_of(found.begin(), found.end(), isPartner)) {
     found.push_back({*partner, freeName(nameOf(*partner), out.name, found)});
     out.sources_beside.push_back(*partner);
-    out.notes.push_back(phrase("one jaw of a pair: {} stands beside it, as they meet", found.back().name));
+    out.notes.push_back(phrase("one jaw of a pair: {} is its neighbour, in occlusion", found.back().name));
   }
   return found;
 }
@@ -208,8 +208,8 @@ Expected<fs::path> prepareToStandBeside(const OpenBeside& asked, const OpeningOp
     return fail({.code = Error::Code::kUnsupported,
                  .file = asked.path.string(),
                  .found = kind == FileKind::kRun ? "a session" : "a tool",
-                 .expected = "a scan, a recipe or a case to stand beside",
-                 .hint = "of a session only the case can stand beside"});
+                 .expected = "a scan, a recipe or a case as neighbour",
+                 .hint = "open the case of the session as neighbour"});
 
   OpeningOptions its_own = options;
   its_own.prepare = asked.prepare;
@@ -344,7 +344,7 @@ Expected<Opened> openToCut(const fs::path& path, const OpeningOptions& options, 
   live.start = {Eigen::Quaterniond::Identity(), manifest.box.center() + Vec3d(0, 0, manifest.box.size()[2])};
   KERF_TRY(run, LiveRun::open(case_folder, newSessionFolder(options.data_folder, out.name), std::move(live),
                               partOf(progress, 0.7, 0.9)));
-  if (!report(progress, 0.9, "measuring the way to pulp and nerve")) return cancelled();
+  if (!report(progress, 0.9, "measuring distances to pulp and nerve")) return cancelled();
   KERF_TRY(structures, Structures::of(run->object(), partOf(progress, 0.9, 1)));
   run->thread().watchHeatOf(structures);
   out.structures = std::move(structures);
@@ -353,8 +353,7 @@ Expected<Opened> openToCut(const fs::path& path, const OpeningOptions& options, 
   KERF_CHECK(noteMisfits(*run, out.notes));
   if (kind == FileKind::kRun)
     out.notes.push_back(
-        phrase("goes on from {}, in a session of its own: {:.3f} mm3 were removed before; undo "
-               "reaches back to here",
+        phrase("Continues {} in a new session: {:.3f} mm3 removed before. Undo goes back to this point.",
                path.filename().string(), run->removedBefore()));
   out.run = std::move(run);
   return out;
@@ -410,8 +409,8 @@ Expected<fs::path> makeDemo(const std::string& name, const fs::path& data_folder
                  .file = folder.parent_path().string(),
                  .place = "folder",
                  .found = failed.message(),
-                 .expected = "a place that can be written to",
-                 .hint = "another --data FOLDER, or its permissions"});
+                 .expected = "a writable folder",
+                 .hint = "use another --data FOLDER, or change the permissions"});
   if (name == "arch") {
     KERF_TRY(scan, demoArch({}, progress));
     DemoAnatomy anatomy{name, "Demo lower arch", 0, {}, {}, {}};

@@ -304,9 +304,10 @@ std::vector<Finding> ToolPlan::findings() const {
   if (is_chosen_)
     out.push_back({Finding::Weight::kFine, "Axis", tip});
   else if (isDoubtful())
-    out.push_back({Finding::Weight::kDoubtful, "Axis", tip + ": a guess, another end is hardly wider"});
+    out.push_back(
+        {Finding::Weight::kDoubtful, "Axis", tip + ": a guess, another end is almost as thin. Check the direction"});
   else
-    out.push_back({Finding::Weight::kMended, "Axis", tip + ": the thinnest end, a guess"});
+    out.push_back({Finding::Weight::kMended, "Axis", tip + ": the thinnest end. Check the direction"});
   return out;
 }
 

@@ -39,12 +39,13 @@ tl::unexpected<Error> wrongPlane(const std::string& option, const std::string& w
 Expected<Plane> aboveOcclusalPlane(const std::string& word, std::string_view height, const Mesh& mesh,
                                    const std::string& option) {
   const auto mm = numberOfWord(height);
-  if (!mm) return wrongPlane(option, word, "after occlusal@ a height in mm, negative: below the plane", "occlusal@-12");
+  if (!mm)
+    return wrongPlane(option, word, "a height in mm after occlusal@; negative is below the plane", "occlusal@-12");
   const auto up = occlusalNormalOf(mesh);
   if (!up)
     return fail({.code = Error::Code::kGeometry,
                  .place = option,
-                 .found = "no occlusal plane: neither a base nor cusp tips say which side is up",
+                 .found = "no occlusal plane: no base and no cusp tips to find the upper side from",
                  .expected = "a jaw",
                  .hint = "a plane by normal and point: 0,0,1@0,0,12"});
   auto found = findOcclusalPlane(mesh, *up);
@@ -97,7 +98,7 @@ Expected<Plane> planeOfWord(const std::string& word, const Mesh& mesh, const std
     if (point) points[k] = *point;
   }
   if (!has_points)
-    return wrongPlane(option, word, "a normal @ a point, three points with / between, or occlusal@MM",
+    return wrongPlane(option, word, "normal@point, three points separated by /, or occlusal@MM",
                       "0,0,1@0,0,12 or 0,0,12/10,0,12/0,10,12 or occlusal@-12");
   auto through = planeThrough(points, Vec3d::UnitZ());
   if (!through) {
@@ -111,7 +112,7 @@ Expected<std::array<Vec3d, 2>> twoPointsOfWord(const std::string& word, const st
   const auto parts = partsOf(word, '/');
   const auto first = vectorOfWord(parts.front()), second = vectorOfWord(parts.back());
   if (parts.size() != 2 || !first || !second)
-    return wrongPlane(option, word, "two points with / between, mm", "-8,40,3/2,42,3");
+    return wrongPlane(option, word, "two points separated by /, mm", "-8,40,3/2,42,3");
   return std::array<Vec3d, 2>{*first, *second};
 }
 

@@ -95,9 +95,9 @@ Expected<SawPlane> planeThrough(const std::array<Vec3d, 3>& points, const Vec3d&
   const Vec3d square = a.cross(b);
   if (!(shortest > kApart))
     return noPlane(fmt::format("two points {:.2f} mm apart", shortest), "three points apart by more than 0.5 mm",
-                   "choose points far from each other: the plane is the surer");
+                   "choose points far from each other: the plane is then more accurate");
   if (!(square.norm() > kFlat * longest * longest))
-    return noPlane("three points on a line", "points that make a triangle", "choose the third one beside the line");
+    return noPlane("three points on a line", "points that form a triangle", "choose the third point off the line");
 
   SawPlane out;
   out.normal = square.normalized();
@@ -126,7 +126,7 @@ Expected<SawPlane> planeSquareTo(const Vec3d& point, const Vec3d& normal, const 
     return fail({.code = Error::Code::kBadValue,
                  .found = "a normal without a direction",
                  .expected = "NX NY NZ, not all zero",
-                 .hint = "1 0 0 for a plane that parts left from right"});
+                 .hint = "1 0 0 for a plane between left and right"});
   SawPlane out;
   out.point = point;
   out.normal = normal.normalized();
@@ -189,17 +189,17 @@ Expected<void> SawPlan::choose(const std::string& name) {
   }
   return fail({.code = Error::Code::kNotFound,
                .found = fmt::format("\"{}\"", name),
-               .expected = names.empty() ? "a planned plane: there is none yet"
+               .expected = names.empty() ? "a planned plane; the plan is empty"
                                          : fmt::format("one of \"{}\"", fmt::join(names, "\", \"")),
-               .hint = names.empty() ? "saw.line X1 Y1 X2 Y2 makes one" : ""});
+               .hint = names.empty() ? "plan one with saw.line X1 Y1 X2 Y2" : ""});
 }
 
 Expected<void> SawPlan::renameChosen(const std::string& name) {
   const bool is_taken = hasName(name) && name != planes_[chosen_].name;
   if (name.empty() || name.size() > kLongestName || is_taken)
     return fail({.code = Error::Code::kBadValue,
-                 .found = fmt::format("the name \"{}\"{}", name, is_taken ? ", which another plane has" : ""),
-                 .expected = fmt::format("1 to {} characters, for one plane alone", kLongestName)});
+                 .found = fmt::format("the name \"{}\"{}", name, is_taken ? ", the name of another plane" : ""),
+                 .expected = fmt::format("a unique name of 1 to {} characters", kLongestName)});
   planes_[chosen_].name = name;
   ++version_;
   return {};
@@ -258,7 +258,7 @@ Expected<void> SawPlan::load(const fs::path& file) {
                  .place = "key format / version",
                  .found = fmt::format("{} version {}", format, version),
                  .expected = fmt::format("kerf-saw-plan version {}", kFormatVersion),
-                 .hint = "a file that saw.save has written"});
+                 .hint = "load a file written by saw.save"});
 
   std::vector<SawPlane> planes;
   const toml::array* const tables = top.has("plane") ? top.tables("plane") : nullptr;
@@ -272,8 +272,8 @@ Expected<void> SawPlan::load(const fs::path& file) {
       return fail({.code = Error::Code::kBadValue,
                    .file = file.string(),
                    .place = fmt::format("plane {}", n + 1),
-                   .found = fmt::format("the name \"{}\" a second time", plane.name),
-                   .expected = "names that differ"});
+                   .found = fmt::format("the duplicate name \"{}\"", plane.name),
+                   .expected = "unique names"});
     planes.push_back(std::move(plane));
   }
   planes_ = std::move(planes);

@@ -116,7 +116,7 @@ Expected<SawPlane> fitToBone(SawPlane plane, const BrickField& bone, const SawBl
                  .found = fmt::format("no bone in that plane within {:g} mm of ({:.1f}, {:.1f}, {:.1f})", kNear,
                                       plane.point[0], plane.point[1], plane.point[2]),
                  .expected = "a plane that passes through the object",
-                 .hint = "a line right across the bone, or points on it"});
+                 .hint = "draw a line right across the bone, or pick points on it"});
 
   double turn = 0;
   if (!options.keeps_approach && shortBy(extentsOf(cells, 0), blade) > 0) turn = bestTurn(cells, blade);

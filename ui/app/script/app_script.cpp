@@ -18,10 +18,10 @@
 #include "ui/app/base/command_words.h"
 #include "ui/app/commands/device_commands.h"
 #include "ui/app/commands/import_commands.h"
-#include "ui/app/readout/point_readout.h"
 #include "ui/app/document/document.h"
 #include "ui/app/document/jobs.h"
 #include "ui/app/document/view_state.h"
+#include "ui/app/readout/point_readout.h"
 #include "ui/app/session/arm_lead.h"
 #include "ui/app/session/session_result.h"
 #include "ui/app/view/tissue_display.h"
@@ -74,7 +74,7 @@ Expected<void> waitForDevice(AppContext& c, AppWords words, const std::function<
   while (!c.bench.device->isLed() && std::chrono::steady_clock::now() < until && goesOn(c, frame)) {
   }
   if (c.bench.device->isLed()) return {};
-  return wrongWord(fmt::format("no device that leads the tool after {:g} s", seconds), "one",
+  return wrongWord(fmt::format("no device controls the tool after {:g} s", seconds), "one",
                    c.bench.device->arm().view().missing);
 }
 
@@ -90,8 +90,8 @@ int stageOfDevice(const AppContext& c) {
 Expected<void> wait(AppContext& c, AppWords words, const std::function<void()>& frame) {
   if (words.empty()) {
     while (goesOn(c, frame) &&
-           (c.bench.jobs->running() || isReplayBusy(c) || import_commands::isPreviewing(c) || c.bench.saw->isCutting() ||
-            c.bench.views->tissues().isBusy() || c.bench.exporting->isBusy() ||
+           (c.bench.jobs->running() || isReplayBusy(c) || import_commands::isPreviewing(c) ||
+            c.bench.saw->isCutting() || c.bench.views->tissues().isBusy() || c.bench.exporting->isBusy() ||
             (c.bench.document->isShown() && c.bench.document->scene().triangleCount() == 0))) {
     }
     if (c.bench.document->watched()) frame();  // takes newly meshed chunks
@@ -100,7 +100,7 @@ Expected<void> wait(AppContext& c, AppWords words, const std::function<void()>& 
   if (words[0] == "device") return waitForDevice(c, words, frame);
   KERF_TRY(seconds, numberOf(words, 0, "SECONDS", 0, 36000));
   if (c.bench.document->watched()) return waitForReplay(c, seconds, frame);
-  if (!c.bench.document->isOpen()) return wrongWord("nothing is open", "a session whose clock runs");
+  if (!c.bench.document->isOpen()) return wrongWord("nothing is open", "an open session");
   frame();
   const auto until = c.bench.document->report().tick + static_cast<std::uint64_t>(seconds / kTick);
   while (c.bench.document->isOpen() && c.bench.document->report().tick < until && goesOn(c, frame)) {
@@ -160,7 +160,8 @@ void printState(const AppContext& c) {
     j["nerve_rise_K"] = heat.nerve_rise;
   }
   if (c.bench.device->arm().isOpen()) j["device"] = nlohmann::json::parse(device_commands::deviceState(c));
-  if (c.bench.imports->isImporting()) j["import"] = nlohmann::json::parse(import_commands::importState(*c.bench.imports->set()));
+  if (c.bench.imports->isImporting())
+    j["import"] = nlohmann::json::parse(import_commands::importState(*c.bench.imports->set()));
   if (const WatchedRun* const run = c.bench.document->watched()) {
     const WatchMoment& now = run->moment();
     j["replay"] = {{"seconds", kTick * static_cast<double>(now.sample)},
@@ -248,7 +249,7 @@ double verdictOf(const AppContext& c) {
 }
 
 Expected<void> expect(const AppContext& c, AppWords words) {
-  if (words.empty()) return wrongWord("nothing", kExpected + ", and its range");
+  if (words.empty()) return wrongWord("nothing", kExpected + ", and a range");
   KERF_TRY(low, numberOf(words, 1, "LOW", -1e12, 1e12));
   KERF_TRY(high, numberOf(words, 2, "HIGH", -1e12, 1e12));
   double value = 0;
@@ -348,7 +349,7 @@ Expected<void> runScript(AppContext& context, const fs::path& script, const std:
                  .file = script.string(),
                  .found = "cannot be read",
                  .expected = "lines of commands",
-                 .hint = "kerf-sim --commands lists them"});
+                 .hint = "list them with kerf-sim --commands"});
   std::size_t seen = 0;
   std::string line;
   for (int n = 1; std::getline(in, line) && !context.wants_quit; ++n) {

@@ -150,12 +150,12 @@ const AppCommand* CommandPalette::runOrSay(AppContext& context, const AppCommand
 const AppCommand* CommandPalette::accept(AppContext& context) {
   error_.clear();
   if (!asked_ && selected_ >= found_.size()) {
-    error_ = "no command has these words";
+    error_ = "no command matches";
     return nullptr;
   }
   const AppCommand& command = asked_ ? *asked_ : *found_[selected_];
   if (!command.is_enabled(context)) {
-    error_ = "that can not be done now";
+    error_ = "this command is not available now";
     return nullptr;
   }
 

@@ -24,7 +24,7 @@ Expected<void> makeEmptyFolder(const fs::path& folder) {
   return fail({.code = Error::Code::kWriteFailed,
                .file = folder.string(),
                .place = "--film",
-               .found = failed ? failed.message() : "a folder that holds something already",
+               .found = failed ? failed.message() : "a folder that is not empty",
                .expected = "a new folder, or an empty one",
                .hint = "another name"});
 }
@@ -57,7 +57,7 @@ Expected<std::size_t> filmReplay(AppContext& context, const FilmOptions& options
   if (!run) {
     for (const Notice& notice : context.bench.notices->list())
       if (notice.is_error) return fail({.code = Error::Code::kUnsupported, .found = notice.text});
-    return fail({.code = Error::Code::kUnsupported, .found = "no session is watched", .hint = "--replay RUN"});
+    return fail({.code = Error::Code::kUnsupported, .found = "no replay is open", .hint = "--replay RUN"});
   }
   KERF_TRY(moments, momentsOf(options, *run));
   KERF_CHECK(makeEmptyFolder(options.folder));

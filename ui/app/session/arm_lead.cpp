@@ -29,7 +29,7 @@ tl::unexpected<Error> notNow(std::string found, std::string hint) {
   return fail({.code = Error::Code::kUnsupported,
                .place = "force-feedback device",
                .found = std::move(found),
-               .expected = "a device that may give force",
+               .expected = "a device that can give force",
                .hint = std::move(hint)});
 }
 
@@ -99,17 +99,17 @@ bool ArmLead::hasJustCome() const { return Seconds(Clock::now() - there_since_).
 // Reasons with a remedy for the user come first.
 std::string ArmLead::missingForForce() const {
   constexpr double kSlack = 1.001;
-  if (!run_) return "nothing is open to be cut";
+  if (!run_) return "no object is open: open one to cut";
   const CouplingSettings now = run_->model().settings.coupling;
   const CouplingSettings borne = *coupling();
   HandFrame hand;
   const bool turns = arm_->lastHand(hand) && hand.gives_torque;
   if (turns && now.turn_stiffness > kSlack * borne.turn_stiffness)
-    return "the session was opened for a hand that is not turned: device.fit opens it anew, what was cut stays";
+    return "the session was opened for a device without torque: device.fit reopens it and keeps your cuts";
   if (now.stiffness > kSlack * borne.stiffness || now.damping > kSlack * std::max(borne.damping, borne.running_damping))
     return fmt::format(
-        "the session was opened for a stiffer hand, {:.2g} N/mm; this one bears {:.2g}: device.fit "
-        "opens it anew, what was cut stays",
+        "the session was opened for a stiffer device, {:.2g} N/mm; this one allows {:.2g}: device.fit reopens it and "
+        "keeps your cuts",
         now.stiffness, borne.stiffness);
   return {};
 }
@@ -117,7 +117,7 @@ std::string ArmLead::missingForForce() const {
 Expected<void> ArmLead::armForce() {
   if (!arm_) return notNow("none is open", "device.open bridge, or the path of a device");
   if (const std::string missing = missingForForce(); !missing.empty()) return notNow(missing, "");
-  if (!is_leading_) return notNow("its hand does not lead the tool", view().missing);
+  if (!is_leading_) return notNow("it does not control the tool", view().missing);
   if (arm_->felt().has_fault) arm_->enable(false);
   arm_->enable(true);
   return {};
@@ -129,8 +129,8 @@ void ArmLead::disarmForce() {
 }
 
 Expected<void> ArmLead::testForce(const Vec3d& newtons) {
-  if (!isArmed() || !is_leading_) return notNow("it is not armed", "device.arm, with the hand on the device");
-  if (is_touching_) return notNow("the tool touches something", "lift it into the air");
+  if (!isArmed() || !is_leading_) return notNow("the device is not armed", "use device.arm, with a hand on the device");
+  if (is_touching_) return notNow("the tool touches something", "lift the tool off the surface");
   if (newtons.norm() > ForceArm::kMostTestForce)
     return fail({.code = Error::Code::kBadValue,
                  .place = "test force",
@@ -201,8 +201,7 @@ ArmLead::News ArmLead::update(const HapticReport& report, bool may_lead) {
 
   if (arm_->felt().has_fault && isArmed() && !std::exchange(has_told_of_fault_, true))
     out.notices.push_back(
-        "A force that is no number was kept from the device, which is given none: disarm it, then arm "
-        "it again.");
+        "The computed force was not a number: Kerf turned the force off. Disarm the device, then arm it again.");
   if (isArmed() && !is_leading_ && is_gone) disarmForce();
   if (const std::string missing = isArmed() ? missingForForce() : std::string(); !missing.empty()) {
     disarmForce();
@@ -215,8 +214,9 @@ ArmLead::News ArmLead::update(const HapticReport& report, bool may_lead) {
     const bool was_armed = isArmed();
     disarmForce();
     stopLeading();
-    out.notices.push_back(fmt::format("The hand of the {} is gone: no force{}. The mouse leads; what was cut is kept.",
-                                      arm_->what(), was_armed ? ", and it is to be armed anew" : ""));
+    out.notices.push_back(
+        fmt::format("No data from the {}: force off{}. The mouse controls the tool; your cuts are kept.", arm_->what(),
+                    was_armed ? "; arm the device again when it is back" : ""));
     out.wants_go_on = true;
     forgetHand();
     return out;
@@ -225,8 +225,8 @@ ArmLead::News ArmLead::update(const HapticReport& report, bool may_lead) {
     hands_->lead(arm_.get());
     is_leading_ = true;
     out.wants_tool = true;
-    out.notices.push_back(fmt::format("The {} leads the tool{}.", arm_->what(),
-                                      isArmed() ? "" : ", without force: device.arm lets it give force"));
+    out.notices.push_back(fmt::format("The {} controls the tool{}.", arm_->what(),
+                                      isArmed() ? "" : ", without force: device.arm turns the force on"));
   }
   out.wants_go_on = report.is_latched && is_leading_ && is_back;
   return out;
@@ -235,7 +235,7 @@ ArmLead::News ArmLead::update(const HapticReport& report, bool may_lead) {
 ArmView ArmLead::view() const {
   ArmView out;
   if (!arm_) {
-    out.missing = "no force-feedback device is open: device.open bridge, or its path or serial number";
+    out.missing = "no force-feedback device is open: use device.open bridge, or its path or serial number";
     return out;
   }
   out.what = arm_->what();
@@ -254,11 +254,13 @@ ArmView ArmLead::view() const {
   if (!out.counts.trouble.empty())
     out.missing = out.counts.trouble;
   else if (out.is_there && !out.hand.is_ready)
-    out.missing = "it is not ready: switch it on, and calibrate it (a bridge: press Enter in its terminal)";
+    out.missing = "the device is not ready: switch it on and calibrate it (a bridge: press Enter in its terminal)";
   else if (!is_leading_)
-    out.missing = !run_           ? "nothing is open to be cut"
-                  : hasJustCome() ? "its hand has just come"
-                                  : "the tool is held by something else, or the window waits for an answer";
+    out.missing =
+        !run_ ? "no object is open: open one to cut"
+        : hasJustCome()
+            ? "it has just become ready: wait a moment"
+            : "another input holds the tool, or a question is open: release the button, or answer the question";
   else
     out.missing = missingForForce();
   return out;

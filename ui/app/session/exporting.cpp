@@ -34,9 +34,9 @@ Expected<Mesh> readBack(const fs::path& file, const Mesh& mesh) {
   if (different == 0) return std::move(back);
   return fail({.code = Error::Code::kWriteFailed,
                .file = file.string(),
-               .found = fmt::format("{} triangles read back, not those that were written", back.triangles.size()),
+               .found = fmt::format("{} triangles read back that differ from the written ones", back.triangles.size()),
                .expected = fmt::format("the {} triangles of the mesh, bit for bit", mesh.triangles.size()),
-               .hint = "write it again, to another disk"});
+               .hint = "write it to another disk"});
 }
 
 tl::unexpected<Error> noSuchPiece() {
@@ -110,9 +110,8 @@ Expected<std::string> write(const ExportPart& part, const ObjectNames& names, co
 
 std::string ExportPart::verdict() const {
   if (report.print_ready) return "ready to print";
-  if (!is_met) return "NOT ready to print, see kerf check";
-  return "each piece is right, but they reach into each other where they were moved to: move them apart, or export "
-         "each into a file of its own";
+  if (!is_met) return "NOT ready to print; see kerf check";
+  return "each piece is valid, but the moved pieces overlap: move them apart, or export one file per piece";
 }
 
 bool PreparedExport::isReady() const {
@@ -128,7 +127,7 @@ std::vector<fs::path> PreparedExport::filesFor(const fs::path& file) const {
 
 std::string PreparedExport::summary() const {
   std::string out = phrase("removed {:.3f} mm3, {} vertices of the solid kept bit for bit", removed_mm3, vertices_kept);
-  if (moved > 0) out += phrase(" but for {} of {} pieces, which were moved", moved, pieces);
+  if (moved > 0) out += phrase(" except in {} of {} pieces, which were moved", moved, pieces);
   return out;
 }
 
@@ -170,7 +169,7 @@ Expected<WrittenExport> writeExport(const PreparedExport& prepared, const LiveRu
   for (std::size_t n = 0; n < prepared.parts.size(); ++n) {
     auto line = write(prepared.parts[n], prepared.names, out.files[n], out.is_ready);
     if (!line) {
-      if (!out.text.empty()) line.error().hint += "; written before it: " + out.text;
+      if (!out.text.empty()) line.error().hint += "; already written: " + out.text;
       return fail(std::move(line).error());
     }
     out.text += *line + "\n";

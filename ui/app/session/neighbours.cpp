@@ -39,7 +39,7 @@ Expected<NeighbourFields> neighbourFields(const LiveRun& run, const Progress& pr
   NeighbourFields out;
   for (const LiveNeighbour& other : run.neighbours()) {
     if (!report(progress, static_cast<double>(out.size()) / static_cast<double>(run.neighbours().size()),
-                "measuring the way to neighbours"))
+                "measuring distances to neighbours"))
       return fail({.code = Error::Code::kCancelled, .found = "cancelled"});
     // As in its case: cuts do not make it farther.
     KERF_TRY(whole, BakedObject::make(*other.original, static_cast<const MaterialField*>(nullptr)));
@@ -57,13 +57,14 @@ std::optional<std::string> misfitOf(const BrickField& object, const Box3& box, c
   const Box3 other = bounds(solid);
   const double ratio = other.size().norm() / std::max(box.size().norm(), 1e-9);
   if (ratio > kMostRatio || ratio < 1 / kMostRatio)
-    return phrase("{} is {:.3g} times as large as what is worked on: is one of them in another unit?", name, ratio);
+    return phrase("{} is {:.3g} times as large as the object you cut. Check the units of both.", name, ratio);
   if (const double gap = gapToNeighbour(box, other); gap > kMostApart)
-    return phrase("{} lies {:.0f} mm away from what is worked on: they are hardly in one frame of a scan", name, gap);
+    return phrase("{} is {:.0f} mm away from the object you cut. Check that both are in the same scan frame.", name,
+                  gap);
   if (const double inside = shareInside(object, solid); inside > kMostInside)
     return phrase(
-        "{:.0f} % of the surface of {} lie inside what is worked on: they are hardly in one frame, or "
-        "are scans of the same",
+        "{:.0f} % of the surface of {} lies inside the object you cut. Check that both are in the same scan frame and "
+        "are different objects.",
         100 * inside, name);
   return {};
 }

@@ -43,20 +43,20 @@ std::string resultText(const RunReport& r, const MaterialTable& materials) {
   if (r.contact_force) {
     out += phrase("Force on the tool: {:.2f} N mean, {:.2f} N at most", r.mean_contact_force.value_or(0),
                   r.contact_force->value);
-    if (const auto& back = r.taken_back.contact_force) out += phrase(" ({:.2f} N in a stroke taken back)", back->value);
+    if (const auto& back = r.taken_back.contact_force) out += phrase(" ({:.2f} N in an undone stroke)", back->value);
     out += "\n";
   }
   for (const auto& [id, least] : r.least_distance) {
     out += distanceText(nameIn(materials, id), least);
     const auto back = r.taken_back.least_distance.find(id);
     if (back != r.taken_back.least_distance.end())
-      out += back->second.value < 0 ? phrase(" ({:.2f} mm inside in a stroke taken back)", -back->second.value)
-                                    : phrase(" ({:.2f} mm in a stroke taken back)", back->second.value);
+      out += back->second.value < 0 ? phrase(" ({:.2f} mm deep in an undone stroke)", -back->second.value)
+                                    : phrase(" ({:.2f} mm in an undone stroke)", back->second.value);
     out += "\n";
   }
   if (r.hottest) {
-    out += phrase("Warmest tissue under the tool: {:.1f} C", r.hottest->value);
-    if (const auto& back = r.taken_back.hottest) out += phrase(" ({:.1f} C in a stroke taken back)", back->value);
+    out += phrase("Warmest tissue under the tool: {:.1f} °C", r.hottest->value);
+    if (const auto& back = r.taken_back.hottest) out += phrase(" ({:.1f} °C in an undone stroke)", back->value);
     out += "\n";
   }
   return out;

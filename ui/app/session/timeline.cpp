@@ -117,9 +117,9 @@ Expected<std::size_t> Timeline::strokesAfter(std::uint64_t number) const {
   const std::uint64_t last = older_ + steps_.size();
   if (number < older_)
     return fail({.code = Error::Code::kUnsupported,
-                 .found = fmt::format("step {} is too old to be gone back to", number),
+                 .found = fmt::format("step {} is no longer stored", number),
                  .expected = fmt::format("{} to {}", older_, last),
-                 .hint = "edit.begin goes back as far as is kept"});
+                 .hint = "go back to the earliest stored step with edit.begin"});
   if (number > last)
     return fail({.code = Error::Code::kBadValue,
                  .found = fmt::format("step {}", number),
@@ -128,7 +128,7 @@ Expected<std::size_t> Timeline::strokesAfter(std::uint64_t number) const {
 }
 
 std::string describeStep(const TimelineStep& step, std::uint64_t number, const std::string& tool) {
-  if (step.kind == TimelineStep::Kind::kMove) return phrase("{}: a piece moved, at {:.1f} s", number, step.began_s);
+  if (step.kind == TimelineStep::Kind::kMove) return phrase("{}: piece moved, at {:.1f} s", number, step.began_s);
   const std::string what = step.kind == TimelineStep::Kind::kPlannedCut ? phrase("planned cut {}", step.plane) : tool;
   std::string out = phrase("{}: {}, {:.2f} mm3 removed", number, what, step.removed_mm3);
   if (step.added_mm3 > 0) out += phrase(", {:.2f} mm3 added", step.added_mm3);
@@ -141,7 +141,7 @@ std::string describeBranch(const TimelineBranch& branch) {
   const std::string from = branch.from == 0 ? shownText("from the beginning") : phrase("from step {}", branch.from);
   const double last_s = kTick * static_cast<double>(branch.last_began);
   const std::size_t count = branch.steps.size();
-  return count == 1 ? phrase("{}: a step, {:.2f} mm3 removed, at {:.1f} s", from, removed, last_s)
+  return count == 1 ? phrase("{}: 1 step, {:.2f} mm3 removed, at {:.1f} s", from, removed, last_s)
                     : phrase("{}: {} steps, {:.2f} mm3 removed, the last at {:.1f} s", from, count, removed, last_s);
 }
 

@@ -105,7 +105,7 @@ void readSpaceMouse(TomlTable& table, SpaceMouseSettings& out) {
 
   using Limits = SpaceMouseSettings;
   out.gain = table.numberOr("space_mouse_gain", out.gain, Limits::kLeastGain, Limits::kMostGain, "times");
-  out.dead_band = table.numberOr("space_mouse_dead_band", out.dead_band, 0, Limits::kMostDeadBand, "of its way");
+  out.dead_band = table.numberOr("space_mouse_dead_band", out.dead_band, 0, Limits::kMostDeadBand, "of its range");
   out.is_dominant = table.getOr<bool>("space_mouse_dominant", false, "true or false");
   const std::string names = table.getOr<std::string>("space_mouse_inverted", "", "names of axes");
   if (const auto inverted = invertedFromNames(names))
@@ -195,7 +195,7 @@ Expected<std::array<bool, 6>> invertedFromNames(const std::string& names) {
     if (at == axes.end())
       return fail({.code = Error::Code::kBadValue,
                    .found = "\"" + word + "\"",
-                   .expected = "some of right, away, up, pitch, roll, yaw"});
+                   .expected = "any of right, away, up, pitch, roll, yaw"});
     out[static_cast<std::size_t>(at - axes.begin())] = true;
   }
   return out;
@@ -219,7 +219,7 @@ SettingsFile::SettingsFile(fs::path folder)
   auto read = readSettings(path_);
   if (!read) {
     error_ = read.error();
-    if (error_->hint.empty()) error_->hint = "mend the line, or set the file aside in the settings window";
+    if (error_->hint.empty()) error_->hint = "correct the line, or set the file aside in the settings window";
     return;
   }
   values = written_ = *read;
@@ -233,7 +233,7 @@ Expected<void> SettingsFile::save() {
     if (const auto now = readSettings(path_); !now) return fail(now.error());
 
   std::vector<std::string> lines = linesOf(path_);
-  if (lines.empty()) lines.push_back("# Settings of kerf-sim. Lines it does not know stay as they are.");
+  if (lines.empty()) lines.push_back("# Settings of kerf-sim. Unknown lines stay unchanged.");
   for (const Key& key : keys())
     if (!key.isSame(values, written_)) setLine(lines, key.name, key.text(values));
 
@@ -258,7 +258,7 @@ Expected<void> SettingsFile::setAside() {
                  .file = path_.string(),
                  .found = failed.message(),
                  .expected = "to be renamed to " + aside.filename().string(),
-                 .hint = "rename it yourself"});
+                 .hint = "rename the file yourself"});
   error_.reset();
   written_ = {};
   return {};

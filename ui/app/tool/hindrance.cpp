@@ -45,10 +45,9 @@ Hindrance::Kind Hindrance::now() const {
 
 const char* Hindrance::text() const {
   if (lasts_s_ < kLasts || kind_ == Kind::kNone) return "";
-  return kind_ == Kind::kBody
-             ? "The neck or shank rests on the tissue and does not cut. Take another tool, widen the opening, or lean "
-               "the tool."
-             : "The drive stands still under the load. Push less, or raise the speed.";
+  return kind_ == Kind::kBody ? "The neck or shank rests on the tissue and does not cut. Choose another tool, widen "
+                                "the opening, or tilt the tool."
+                              : "The drive stalled. Push less, or raise the spindle speed.";
 }
 
 }  // namespace kerf

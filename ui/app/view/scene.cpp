@@ -51,10 +51,10 @@ Expected<Plane> placed(const SectionPlane& cut, const PostOpMesh& shown, const s
     return fail({.code = Error::Code::kEmpty,
                  .file = file,
                  .place = "--section",
-                 .found = fmt::format("the plane takes all of the object away; {}", where),
+                 .found = fmt::format("the plane removes the whole object; {}", where),
                  .expected = {},
                  .hint = fmt::format("--section center,{:.4g},{:.4g},{:.4g}", n[0], n[1], n[2])});
-  if (highest <= 0) note = fmt::format("the plane of --section takes nothing away; {}", where);
+  if (highest <= 0) note = fmt::format("the plane of --section removes nothing; {}", where);
   return plane;
 }
 
@@ -149,7 +149,7 @@ Expected<Scene> loadScene(const std::filesystem::path& path, const std::optional
                  .place = "--section",
                  .found = "neither a case nor a run",
                  .expected = "a case or a run folder",
-                 .hint = "kerf bake it first: only a case knows its inside"});
+                 .hint = "run kerf bake first: only a case stores the inside"});
 
   KERF_TRY(read, readMeshInMm(path, unit));
   return Scene{.mesh = std::move(read.mesh), .note = std::move(read.note)};

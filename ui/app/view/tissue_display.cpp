@@ -42,7 +42,7 @@ KeepOutOptions depthReach(double voxel) {
 
 std::optional<MapLegend> legendOf(SurfaceColours colours) {
   const std::string reach = phrase("{:g} mm or more", kMapReach);
-  if (colours == SurfaceColours::kDepth) return MapLegend{"Below the surface as loaded", "0 mm", reach};
+  if (colours == SurfaceColours::kDepth) return MapLegend{"Below the original surface", "0 mm", reach};
   if (colours != SurfaceColours::kDistance) return {};
   return MapLegend{"To pulp or nerve canal", "0 mm", reach, true};
 }
@@ -151,7 +151,7 @@ Expected<void> TissueDisplay::set(const std::string& id, TissueLook look) {
   }
   return fail({.code = Error::Code::kBadValue,
                .found = fmt::format("\"{}\"", id),
-               .expected = ids.empty() ? "something with tissues" : "one of " + ids});
+               .expected = ids.empty() ? "an object with tissues" : "one of " + ids});
 }
 
 void TissueDisplay::showAll() {
@@ -280,13 +280,13 @@ Expected<void> TissueDisplay::setColours(SurfaceColours colours) {
   if (!source_) return {};
   if (colours == SurfaceColours::kDistance && source_->structures->isEmpty())
     return fail({.code = Error::Code::kUnsupported,
-                 .found = "neither pulp nor nerve canal in what is open",
-                 .expected = "a case with one of them",
+                 .found = "no pulp and no nerve canal in the open object",
+                 .expected = "a case with a pulp or a nerve canal",
                  .hint = "view.colours depth"});
   if (colours == SurfaceColours::kScan && !hasScanColours())
     return fail({.code = Error::Code::kUnsupported,
-                 .found = "no colours in the scan that is open",
-                 .expected = "a scan with colours of vertices or faces, as PLY, OBJ, OFF and 3MF hold them",
+                 .found = "no colours in the open scan",
+                 .expected = "a scan with vertex or face colours, from PLY, OBJ, OFF or 3MF",
                  .hint = "view.colours tissue"});
   wanted_colours_ = colours;
   if (colours == SurfaceColours::kDepth && !depths_) {  // update() continues

@@ -120,16 +120,16 @@ std::vector<ExportOffer> ExportPlan::offers() const {
   const bool is_moved = std::any_of(scene.shown().begin(), scene.shown().end(),
                                     [&](const SceneObject* object) { return isWorkedOn(object) && object->isMoved(); });
 
-  out.push_back({are_several ? "All pieces in one file" : "What was cut, in one file", {}});
-  if (is_moved) out.push_back({"All in one file, where they were in the scan", {.is_put_back = true}});
+  out.push_back({are_several ? "All pieces in one file" : "Cut object in one file", {}});
+  if (is_moved) out.push_back({"All pieces at their scan positions", {.is_put_back = true}});
   if (are_several) {
-    out.push_back({"Each piece in a file of its own", {.is_each = true}});
+    out.push_back({"One file per piece", {.is_each = true}});
     for (const SceneObject* object : scene.shown())
       if (isWorkedOn(object)) out.push_back({phrase("Only {}", object->name), {.only = object->id}});
   }
   for (const Neighbour& other : bench_.neighbours->list())
     if (const SceneObject* const object = bench_.neighbours->find(other.name))
-      out.push_back({phrase("Beside: {}", other.name), {.beside = object->loaded}});
+      out.push_back({phrase("Neighbour: {}", other.name), {.beside = object->loaded}});
   return out;
 }
 
@@ -300,9 +300,9 @@ void ExportPlan::start(Work work, Permission permission) {
     return out;
   };
   const auto take_it = [this, is_new, writes](Expected<Outcome> outcome) { take(std::move(outcome), is_new, writes); };
-  bench_.jobs->start<Outcome>(
-      writes ? Jobs::Kind::kWrites : Jobs::Kind::kReads,
-      writes ? phrase("exporting {}", file_.filename().string()) : "checking what would be exported", job_of, take_it);
+  bench_.jobs->start<Outcome>(writes ? Jobs::Kind::kWrites : Jobs::Kind::kReads,
+                              writes ? phrase("exporting {}", file_.filename().string()) : "checking the export",
+                              job_of, take_it);
   work_ = work;
 }
 
@@ -339,9 +339,9 @@ void ExportPlan::take(Expected<Outcome> outcome, bool is_new, bool was_written) 
   if (!was_written && !wanted) return;
   const Error doubtful{.code = Error::Code::kGeometry,
                        .file = file_.string(),
-                       .found = "not written: what is cut now is not ready to print",
-                       .expected = "a mesh that is",
-                       .hint = "read why, and export once more to write it all the same"};
+                       .found = "not written: the mesh is not ready to print",
+                       .expected = "a printable mesh",
+                       .hint = "read the print check, then export again to write the mesh anyway"};
   error_ = doubtful.message();
   bench_.notices->complain(doubtful);
 }
@@ -374,16 +374,15 @@ void ExportPlan::askToReplace(const fs::path& untold) {
   asks_to_replace_ = true;
   const Error there{.code = Error::Code::kBadValue,
                     .file = untold.string(),
-                    .found = "not written: this file is there already, and was not among those that are replaced",
+                    .found = "not written: this file exists and was not in the list to replace",
                     .expected = "another name",
-                    .hint = "export once more to replace it, too"};
+                    .hint = "export again to replace this file too"};
   error_ = there.message();
   bench_.notices->complain(there);
 }
 
 Expected<void> ExportPlan::showInFolder() {
-  if (!written_)
-    return fail({.code = Error::Code::kEmpty, .found = "nothing was written", .hint = "export.write first"});
+  if (!written_) return fail({.code = Error::Code::kEmpty, .found = "no exported file", .hint = "export.write first"});
   return showing_.begin(written_->files);
 }
 

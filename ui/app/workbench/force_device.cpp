@@ -25,7 +25,7 @@ bool ForceDevice::isLed() const { return arm_->isLeading(); }
 
 void ForceDevice::warnThatItLeads() {
   if (std::exchange(has_told_that_it_leads_, true)) return;
-  bench_.notices->say("A force-feedback device leads the tool: device.close gives it back to the mouse.");
+  bench_.notices->say("A force-feedback device controls the tool. device.close returns it to the mouse.");
 }
 
 void ForceDevice::opened(Opening /*how*/) {
@@ -40,7 +40,7 @@ Expected<void> ForceDevice::open(const std::string& name) {
   if (bench_.jobs->isBusy() || bench_.saw->isBusy()) return {};
   bench_.strokes->release();
   KERF_CHECK(arm_->open(name));
-  bench_.notices->say(phrase("{} is open: its hand leads the tool when it comes.", arm_->arm()->what()));
+  bench_.notices->say(phrase("{} is open. It controls the tool once it is ready.", arm_->arm()->what()));
   has_told_that_it_leads_ = false;
   if (bench_.document->isOpen()) bench_.sessions->reopen({});
   return {};
@@ -57,7 +57,7 @@ Expected<void> ForceDevice::place(const Vec3d& tip) {
   if (!isLed())
     return fail({.code = Error::Code::kUnsupported,
                  .place = "device.place",
-                 .found = "no device that leads the tool",
+                 .found = "no device controls the tool",
                  .expected = "one",
                  .hint = arm_->view().missing});
   sendPlace({bench_.document->report().output.T_world_tool.rotation, tip});

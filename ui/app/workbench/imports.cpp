@@ -180,7 +180,7 @@ void Imports::open() {
   // The preview has shown these changes: no need to repeat them.
   std::string as_shown;
   if (const ImportPlan* const scan = first.scan.get(); scan && scan->preview())
-    as_shown = phrase("prepared as shown: read as {}, {} changes, cut in voxels of {:g} mm", scan->unit().unit,
+    as_shown = phrase("Scan prepared: unit {}, {} repairs, voxel size {:g} mm", scan->unit().unit,
                       scan->preview()->changes.size(), scan->voxel());
   const bool is_alone = options.beside.empty();
   bench_.sessions->openBy(
@@ -191,7 +191,7 @@ void Imports::open() {
         if (!as_shown.empty() && is_alone && !opened.notes.empty()) opened.notes = {as_shown};
         if (!is_alone)
           opened.notes.insert(opened.notes.begin(),
-                              phrase("{} is worked on; to work on another one: neighbour.work-on", opened.name));
+                              phrase("You cut {}. Switch to a neighbour with neighbour.work-on.", opened.name));
         return std::move(opened);
       });
 }
@@ -200,14 +200,14 @@ void Imports::open() {
 void Imports::openBeside() {
   if (!bench_.document->isOpen())
     return bench_.notices->complain({.code = Error::Code::kBadValue,
-                                     .found = "nothing that would be cut, and nothing open",
-                                     .expected = "one file that is cut",
+                                     .found = "no file with the role cut, and no open session",
+                                     .expected = "one file with the role cut",
                                      .hint = "import.role 1 cut"});
   std::vector<OpenBeside> asked;
   for (const ImportEntry& entry : import_->entries())
     if (entry.role == ImportRole::kBeside) asked.push_back({entry.file, entry.file.stem().string(), entry.decided()});
   if (asked.empty()) {  // the open document stays
-    bench_.notices->say("nothing was imported: all files were left out");
+    bench_.notices->say("Nothing imported: all files are skipped.");
     return putAway();
   }
   const std::string title =

@@ -55,7 +55,7 @@ void Replays::open(const fs::path& run_folder) {
       bench_.history->remember(bench_.document->source());
     });
   };
-  bench_.jobs->start<Watched>(Jobs::Kind::kReads, phrase("opening {} to watch", run_folder.filename().string()), work,
+  bench_.jobs->start<Watched>(Jobs::Kind::kReads, phrase("opening {} for replay", run_folder.filename().string()), work,
                               take);
 }
 
@@ -86,13 +86,13 @@ void Replays::end() {
 
 Expected<void> Replays::goOnCutting() {
   const WatchedRun* const run = bench_.document->watched();
-  if (!run) return fail({.code = Error::Code::kEmpty, .found = "nothing is watched", .hint = "replay.open"});
+  if (!run) return fail({.code = Error::Code::kEmpty, .found = "no replay is open", .hint = "replay.open"});
   const WatchMoment& now = run->moment();
   if (now.is_jumping)
     return fail({.code = Error::Code::kUnsupported,
                  .file = run->folder().string(),
-                 .found = "it is on its way to another moment",
-                 .expected = "the moment from which to go on",
+                 .found = "the replay is jumping to another moment",
+                 .expected = "a replay that is not jumping",
                  .hint = "wait for it"});
   if (now.is_at_end) {
     bench_.sessions->open(run->folder());

@@ -56,8 +56,8 @@ bool Results::mayExportTo(const fs::path& file) {
   if (isSource(document.source()) || std::any_of(beside.begin(), beside.end(), isSource))
     return refuse({.code = Error::Code::kBadValue,
                    .file = file.string(),
-                   .found = "the file that was opened",
-                   .expected = "another one: a scan is never written over",
+                   .found = "the opened file",
+                   .expected = "another file: Kerf never overwrites a scan",
                    .hint = "another name"});
   return true;
 }

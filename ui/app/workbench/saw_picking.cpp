@@ -15,16 +15,16 @@ void SawPicking::begin(What what) {
 std::string SawPicking::hint() const {
   static constexpr const char* kPoints[] = {"Click the first of three points on the bone.",
                                             "Click the second point, far from the first.",
-                                            "Click the third point, beside the line of the others."};
+                                            "Click the third point, off the line through the first two."};
   switch (what_) {
     case What::kNothing:
       return {};
     case What::kPoints:
-      return shownText(kPoints[std::min<std::size_t>(rays_.size(), 2)]) + shownText("  Esc: leave.");
+      return shownText(kPoints[std::min<std::size_t>(rays_.size(), 2)]) + shownText("  Esc: cancel.");
     case What::kLine:
-      return "Draw a line across the bone: the blade goes in along the view.  Esc: leave.";
+      return "Draw a line across the bone. The blade goes in along the viewing direction.  Esc: cancel.";
     case What::kFace:
-      return "Click a face: the plane lies 1 mm under it.  Esc: leave.";
+      return "Click a face. The plane lies 1 mm under it.  Esc: cancel.";
   }
   return {};
 }

@@ -83,8 +83,8 @@ bool Sawing::isMoved() const {
 // A plan applies to the object as loaded: at a moved piece it would saw air.
 Expected<void> Sawing::requireUnmoved() const {
   if (!isMoved()) return {};
-  return refuse(Error::Code::kUnsupported, "a piece was moved", "all pieces where they were in the scan",
-                "put them back (piece.put-back), or saw free-hand");
+  return refuse(Error::Code::kUnsupported, "a piece was moved", "all pieces at their scan positions",
+                "put the pieces back (piece.put-back), or saw free-hand");
 }
 
 Expected<SurfaceHit> Sawing::hit(const Ray& ray) const {
@@ -95,7 +95,7 @@ Expected<SurfaceHit> Sawing::hit(const Ray& ray) const {
 
 Expected<SawPlane> Sawing::chosen() const {
   if (const SawPlane* const plane = plan_.chosen()) return *plane;
-  return refuse(Error::Code::kEmpty, "no plane is planned", "a plane to saw",
+  return refuse(Error::Code::kEmpty, "no planned plane", "a plane to saw",
                 "draw a line across the bone (saw.line), or pick three points of it");
 }
 
@@ -133,7 +133,7 @@ Expected<void> Sawing::addAlongLine(const Ray& from, const Ray& to) {
     best = away;
   }
   if (!nearest)
-    return refuse(Error::Code::kEmpty, "a line beside the object", "a line across the bone",
+    return refuse(Error::Code::kEmpty, "a line that misses the object", "a line across the bone",
                   "draw it from one side of the bone to the other");
 
   // The ends of the line at the depth of the surface.
@@ -245,8 +245,8 @@ Expected<Rigid3> Sawing::startAbove(const SawPlane& plane, const SawBlade& blade
     const auto isFree = [&](const Vec3d& p) { return bone.sample(pose * p) > 0; };
     if (std::all_of(body.vertices.begin(), body.vertices.end(), isFree)) return pose;
   }
-  return refuse(Error::Code::kGeometry, "other bone is in the way of the blade, above the plane",
-                "a way from outside to where the teeth enter",
+  return refuse(Error::Code::kGeometry, "other bone above the plane blocks the blade",
+                "a free path for the blade from outside",
                 "turn the approach (saw.approach DEG), or take a smaller blade");
 }
 
@@ -255,16 +255,16 @@ Expected<void> Sawing::cut(double force_n) {
   KERF_CHECK(requireUnmoved());
   KERF_TRY(plane, chosen());
   if (cutting_)
-    return refuse(Error::Code::kUnsupported, "a plane is being sawn", "one at a time", "wait for it, or saw.stop");
+    return refuse(Error::Code::kUnsupported, "a planned cut is running", "one at a time", "wait for it, or saw.stop");
   if (bench_.strokes->isPressed() || bench_.steps->undosLeft() != 0)
-    return refuse(Error::Code::kUnsupported, "the tool is in use", "a tool at rest", "let go of the button first");
+    return refuse(Error::Code::kUnsupported, "the tool is in use", "a tool at rest", "release the button first");
 
   const Tool& tool = bench_.tools->held();
   const auto blade = SawBlade::of(tool);
   if (!blade) {
     const std::string saws = sawsOfTheRack();
-    return refuse(Error::Code::kUnsupported, tool.id + " is no saw", "a saw in hand",
-                  saws.empty() ? "kerf-sim --tool saw-reciprocating-25 opens with one" : "one of " + saws);
+    return refuse(Error::Code::kUnsupported, tool.id + " is not a saw", "a saw as the current tool",
+                  saws.empty() ? "start with kerf-sim --tool saw-reciprocating-25" : "one of " + saws);
   }
 
   const BrickField& bone = *bench_.document->run()->original();
@@ -332,7 +332,7 @@ Expected<void> Sawing::cut(double force_n) {
 bool Sawing::isBusy() {
   if (!cutting_) return false;
   bench_.notices->complain({.code = Error::Code::kUnsupported,
-                            .found = "a plane is being sawn",
+                            .found = "a planned cut is running",
                             .expected = "a tool at rest",
                             .hint = "wait for it, or stop it (saw.stop)"});
   return true;
@@ -396,8 +396,8 @@ void Sawing::update() {
     if (now.tick < c.began + kBeginsWithin) return;
     bench_.notices->complain({.code = Error::Code::kUnsupported,
                               .place = c.plane.name,
-                              .found = "the blade was not put above the bone",
-                              .hint = "saw.cut again"});
+                              .found = "the blade did not reach its start above the bone",
+                              .hint = "run saw.cut again"});
     stop();
     cutting_.reset();
     bench_.steps->endPlannedCut();
@@ -429,13 +429,12 @@ void Sawing::finish(const GuidedReport& report) {
                             c.section.plannedMm2(), seconds);
   text += phrase("; {:.1f} mm3 planned, {:.1f} mm3 removed", plannedMm3(), removedMm3());
   if (c.order.is_wanted && report.given_up > 0)
-    text += shownText("; the blade did not get on in places: push harder (saw.cut 8), or take another saw");
+    text += shownText("; the blade made no progress in places: push harder (saw.cut 8), or choose another saw");
   else if (c.order.is_wanted && !is_whole && !is_aside)
     text += shownText("; the rest is beyond the blade's reach");
-  if (is_aside) text += phrase("; the blade was pushed up to {:.2f} mm out of the plane", c.aside);
+  if (is_aside) text += phrase("; the blade left the plane by up to {:.2f} mm", c.aside);
   if (c.section.beyondMm2() > 0.5)
-    text +=
-        phrase("; {:.1f} mm2 beside the rectangle were in the blade's way and are sawn, too", c.section.beyondMm2());
+    text += phrase("; the blade also cut {:.1f} mm2 outside the rectangle", c.section.beyondMm2());
   bench_.notices->say(std::move(text));
   const bool is_undone = c.is_undone_after;
   cutting_.reset();

@@ -33,9 +33,9 @@ Expected<Prepared> prepare(const std::vector<OpenBeside>& asked, std::vector<std
     if (std::find(known.begin(), known.end(), manifest.id) != known.end())
       return fail({.code = Error::Code::kBadValue,
                    .file = one.path.string(),
-                   .found = "it is in the scene already: two solids in one place",
+                   .found = "already in the scene: two solids in one place",
                    .expected = "another tooth or jaw of the same scan frame",
-                   .hint = "open each once"});
+                   .hint = "open each file once"});
     known.push_back(manifest.id);
     out.beside.push_back({folder, one.name});
   }
@@ -92,7 +92,7 @@ void SceneNeighbours::workOn(std::size_t number) {
       phrase("opening {}", wanted.name),
       [folder = wanted.folder, name = wanted.name, options](const Progress& progress) -> Expected<Opened> {
         KERF_TRY(opened, openToCut(folder, options, progress));
-        opened.notes.insert(opened.notes.begin(), phrase("{} is worked on, as in its case", name));
+        opened.notes.insert(opened.notes.begin(), phrase("You now cut {}, as stored in its case.", name));
         opened.name = name;
         return std::move(opened);
       });
@@ -124,7 +124,7 @@ void SceneNeighbours::makeGhost(std::uint32_t id, bool is_ghost) {
 bool SceneNeighbours::isNeighbour(std::uint32_t id, const std::string& use) {
   const SceneObject* const object = bench_.document->scene().find(id);
   if (!object || !object->isBeside()) return false;
-  std::string text = fmt::format("{} stands beside and is not there {}", object->name, use);
+  std::string text = fmt::format("{} is a neighbour and cannot {}", object->name, use);
   const std::vector<Notice>& notices = bench_.notices->list();
   if (notices.empty() || notices.back().text != text) bench_.notices->say(std::move(text));
   return true;
@@ -148,7 +148,7 @@ void SceneNeighbours::update() {
     const bool is_at_work = bench_.strokes->isPressed() || bench_.saw->isCutting() || report.tick < known.tick + kTicks;
     if (is_at_work || now < known.told_mm3 + kLeast) continue;
     known.told_mm3 = now;
-    bench_.notices->say(phrase("you have cut the neighbour {}: {:.4f} mm3. Undo takes it back",
+    bench_.notices->say(phrase("You cut the neighbour {}: {:.4f} mm3 removed. Undo reverts this.",
                                bench_.document->run()->neighbours()[n].known.name, now));
   }
 }

@@ -33,12 +33,12 @@ const SceneObject* ScenePieces::chosen() const { return chosen_ ? bench_.documen
 void ScenePieces::move(std::uint32_t id, const Rigid3& T_world_object) {
   Document& document = *bench_.document;
   SceneObject* const piece = document.scene().find(id);
-  if (!piece || !piece->is_in_scene || bench_.neighbours->isNeighbour(id, "to be moved")) return;
+  if (!piece || !piece->is_in_scene || bench_.neighbours->isNeighbour(id, "be moved")) return;
   if (!T_world_object.isUsable())
     return bench_.notices->complain({.code = Error::Code::kBadValue,
                                      .place = piece->name,
-                                     .found = "a place that can not be computed with",
-                                     .expected = "less than 100 m away"});
+                                     .found = "an unusable position",
+                                     .expected = "a position less than 100 m away"});
   if (bench_.saw->isBusy() || bench_.steps->isMoving()) return drag(id, std::nullopt);
   bench_.strokes->release();
   const Vec3d& t = T_world_object.translation;
@@ -59,7 +59,7 @@ void ScenePieces::hide(std::uint32_t id, bool is_hidden) {
 void ScenePieces::rename(std::uint32_t id, const std::string& name) {
   LiveScene& scene = bench_.document->scene();
   SceneObject* const piece = scene.find(id);
-  if (!piece || name.empty() || name == piece->name || bench_.neighbours->isNeighbour(id, "to be renamed")) return;
+  if (!piece || name.empty() || name == piece->name || bench_.neighbours->isNeighbour(id, "be renamed")) return;
   const bool is_number = std::all_of(name.begin(), name.end(), [](char c) { return c >= '0' && c <= '9'; });
   const auto has = [&](const SceneObject* other) { return other != piece && other->name == name; };
   const auto all = scene.shown();
@@ -68,8 +68,8 @@ void ScenePieces::rename(std::uint32_t id, const std::string& name) {
     return bench_.notices->complain(
         {.code = Error::Code::kBadValue,
          .place = piece->name,
-         .found = fmt::format("\"{}\"{}", name, is_taken ? ", which another piece is called" : ""),
-         .expected = "a name of its own, not a number"});
+         .found = fmt::format("\"{}\"{}", name, is_taken ? ", the name of another piece" : ""),
+         .expected = "a unique name that is not a number"});
   piece->name = name;
   bench_.document->run()->namePiece(id, name);
 }
@@ -77,7 +77,7 @@ void ScenePieces::rename(std::uint32_t id, const std::string& name) {
 void ScenePieces::colour(std::uint32_t id, const std::string& colour) {
   Document& document = *bench_.document;
   SceneObject* const piece = document.scene().find(id);
-  if (!piece || !document.isOpen() || colour == piece->colour || bench_.neighbours->isNeighbour(id, "to be coloured"))
+  if (!piece || !document.isOpen() || colour == piece->colour || bench_.neighbours->isNeighbour(id, "be coloured"))
     return;
   piece->colour = colour;
   document.run()->colourPiece(id, colour);

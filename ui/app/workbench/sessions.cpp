@@ -98,11 +98,11 @@ void Sessions::openAll(const std::vector<fs::path>& paths) {
     names += (n > 1 ? ", " : "") + objects[n].filename().string();
   }
   const fs::path first = objects.front();
-  openBy(phrase("opening {} with {} beside", first.filename().string(), names),
+  openBy(phrase("opening {} with neighbour {}", first.filename().string(), names),
          [first, options](const Progress& progress) -> Expected<Opened> {
            KERF_TRY(opened, openToCut(first, options, progress));
            opened.notes.insert(opened.notes.begin(),
-                               phrase("{} is worked on; to work on another one: neighbour.work-on", opened.name));
+                               phrase("You cut {}. Switch to a neighbour with neighbour.work-on.", opened.name));
            return std::move(opened);
          });
 }
@@ -126,7 +126,7 @@ void Sessions::openBranch(const Branch& branch, std::shared_ptr<const Kept> kept
     return is_end ? openToCut(branch.run, options, progress)
                   : openBranchToCut(branch.run, branch.point, options, progress);
   };
-  openBy(phrase("going on: {}", branch.text), load, std::move(kept));
+  openBy(phrase("continuing: {}", branch.text), load, std::move(kept));
 }
 
 void Sessions::openBy(const std::string& title, Load load) { openBy(title, std::move(load), nullptr); }
@@ -175,12 +175,12 @@ void Sessions::show(Opened& loaded, const Kept* kept) {
   bench_.document->open(std::move(loaded), std::move(hands), how);
   const LiveRun& run = *bench_.document->run();
   for (const std::string& name : run.missingPieces())
-    bench_.notices->say(phrase("not found again, and so where it was in the scan: {}", name));
+    bench_.notices->say(phrase("Piece not found; it stays at its scan position: {}", name));
   constexpr double kWorthSaying = 0.01;  // mm^3
   if (run.addedBefore() > kWorthSaying)
     bench_.notices->say(
-        phrase("WARNING: {:.2f} mm3 that were added before count and cut as the tissue around them from here on: the "
-               "run is of an older Kerf, which did not keep their material",
+        phrase("WARNING: {:.2f} mm3 of added material now count as the tissue around them. The run is from an older "
+               "Kerf, which did not save the material.",
                run.addedBefore()));
   bench_.opened(how);
   for (const std::string& note : notes) bench_.notices->say(note);
@@ -232,7 +232,7 @@ void Sessions::reopen(Reopening wanted) {
     const auto load = [next = has_written_ ? kept->session : kept->case_or_run, options](const Progress& progress) {
       return openToCut(next, options, progress);
     };
-    openBy(kept->wanted.further.empty() ? "taking the tool" : "placing what stands beside", load, kept);
+    openBy(kept->wanted.further.empty() ? "loading the tool" : "placing neighbours", load, kept);
   });
 }
 
@@ -275,13 +275,15 @@ void Sessions::takeEnded(Expected<EndedSession> ended, const fs::path& folder, T
 }
 
 void Sessions::tellEnd(const EndedSession& ended, const fs::path& folder) {
-  bench_.notices->say(
-      (ended.report ? resultText(*ended.report, bench_.document->materials()) : "") +
-      phrase("session written: {}\nas a mesh again: kerf export {} -o OUT.stl", folder.string(), folder.string()));
+  bench_.notices->say((ended.report ? resultText(*ended.report, bench_.document->materials()) : "") +
+                      phrase("Session saved: {}\n"
+                             "Export it as a mesh: kerf export {} -o OUT.stl",
+                             folder.string(), folder.string()));
   for (std::size_t n = 0; n < ended.run->beside.size(); ++n)
     if (const RunManifest::Beside& other = ended.run->beside[n]; other.removed_mm3 > 0)
-      bench_.notices->say(phrase("{:.4f} mm3 were cut off the neighbour {}: kerf export {} --beside {} -o OUT.stl",
-                                 other.removed_mm3, other.name, folder.string(), n + 1));
+      bench_.notices->say(
+          phrase("{:.4f} mm3 removed from the neighbour {}. Export it: kerf export {} --beside {} -o OUT.stl",
+                 other.removed_mm3, other.name, folder.string(), n + 1));
 }
 
 void Sessions::endNow() {

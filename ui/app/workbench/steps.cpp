@@ -37,7 +37,7 @@ void Steps::closing() {
   if (!bench_.document->isOpen()) return;
   const std::size_t known = left_.size();
   left_ = branches();
-  for (std::size_t n = known; n < left_.size(); ++n) left_[n].text = phrase("in a session before, {}", left_[n].text);
+  for (std::size_t n = known; n < left_.size(); ++n) left_[n].text = phrase("in an earlier session, {}", left_[n].text);
   undos_left_ = 0;
   wish_.reset();
 }
@@ -52,7 +52,7 @@ void Steps::update() {
 Expected<void> Steps::requireIdleSaw() const {
   if (!bench_.saw->isCutting()) return {};
   return fail({.code = Error::Code::kUnsupported,
-               .found = "a plane is being sawn",
+               .found = "a planned cut is running",
                .expected = "a tool at rest",
                .hint = "wait for it, or stop it (saw.stop)"});
 }
@@ -145,11 +145,10 @@ std::optional<Branch> Steps::lineNow() const {
   const Document& document = *bench_.document;
   const std::uint64_t steps = timeline_.older() + done();
   if (steps > 0)
-    return Branch{document.sessionFolder(),
-                  {},
-                  phrase("as it was left at step {}, {:.2f} mm3 removed", steps, document.removedMm3())};
+    return Branch{
+        document.sessionFolder(), {}, phrase("left at step {}, {:.2f} mm3 removed", steps, document.removedMm3())};
   if (opened_ || document.run()->from().empty()) return opened_;
-  return Branch{document.run()->from(), {}, phrase("as it was opened, {:.2f} mm3 removed", document.removedMm3())};
+  return Branch{document.run()->from(), {}, phrase("as opened, {:.2f} mm3 removed", document.removedMm3())};
 }
 
 std::vector<std::uint64_t> Steps::droppedSteps(bool with_ahead) const {
@@ -174,7 +173,7 @@ void Steps::sessionEnded(const EndedSession& ended, const fs::path& folder) {
   for (Branch& branch : left_) branch = savedOf(branch, folder);
   std::erase_if(left_, [](const Branch& branch) { return branch.run.empty(); });
   if (saved_.empty()) return;
-  std::string text = "nothing is left of the session; what was taken back in it is kept:";
+  std::string text = "No steps are left in the session. Its undone steps are kept:";
   for (const auto& [began, run] : saved_) text += fmt::format("\n{}", run.string());
   bench_.notices->say(std::move(text));
 }
@@ -199,7 +198,7 @@ Expected<void> Steps::takeBranch(std::size_t n) {
   left_.erase(left_.begin() + static_cast<std::ptrdiff_t>(n));
   if (ahead)
     left_.push_back(
-        {session, {.step_began = ahead->last_began}, phrase("in a session before, {}", describeBranch(*ahead))});
+        {session, {.step_began = ahead->last_began}, phrase("in an earlier session, {}", describeBranch(*ahead))});
   if (now) left_.push_back(*now);
   return {};
 }

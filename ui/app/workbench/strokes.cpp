@@ -72,10 +72,10 @@ Expected<void> Strokes::setReversed(bool is_reversed) {
     return fail({.code = Error::Code::kBadValue,
                  .place = "cut.reverse",
                  .found = bench_.document->isOpen()
-                              ? fmt::format("{}, whose drive goes one way", bench_.tools->held().name)
+                              ? fmt::format("{}, whose drive has no reverse", bench_.tools->held().name)
                               : "no tool in hand",
-                 .expected = "a tool that a motor turns",
-                 .hint = "take a drill, a bur of a contra-angle or a disc: a turbine does not turn backwards"});
+                 .expected = "a tool with a motor",
+                 .hint = "choose a drill, a contra-angle bur or a disc: a turbine has no reverse"});
   is_reversed_ = is_reversed;
   aimIfPressed();
   return {};
@@ -105,7 +105,7 @@ bool Strokes::press(const Ray& ray) {
   if (!at) {
     const auto seen = bench_.views->behindSection(ray);
     if (const auto hit = seen ? document.scene().hit(*seen) : std::nullopt)
-      (void)bench_.neighbours->isNeighbour(hit->id, "to be cut");
+      (void)bench_.neighbours->isNeighbour(hit->id, "be cut");
     return false;
   }
   release();

@@ -59,17 +59,17 @@ void ToolMonitor::warnOfHeat() {
   const HeatAlarms& alarms = bench_.document->report().heat.alarms;
   if (alarms.pulp >= 0 && !std::exchange(has_told_of_pulp_, true))
     bench_.notices->say(
-        phrase("The pulp is {:.1f} C warmer than the body: not every pulp recovers from that (Zach & Cohen 1965). "
-               "More spray, less force, or a pause.",
+        phrase("The pulp is {:.1f} °C above body temperature and may not recover (Zach & Cohen 1965). Increase "
+               "irrigation, push less, or pause.",
                kPulpLimitRise));
   if (alarms.bone_warm >= 0 && !std::exchange(has_told_of_bone_, true))
     bench_.notices->say(
-        phrase("The bone under the tool has {:.0f} C: after a minute it dies (Eriksson & Albrektsson). More spray, "
-               "less force, or a pause.",
+        phrase("The bone under the tool is at {:.0f} °C: after 1 min it dies (Eriksson & Albrektsson). Increase "
+               "irrigation, push less, or pause.",
                kBodyCelsius + kBoneLimitRise));
   if (alarms.bone_dead >= 0 && !std::exchange(has_told_of_dead_bone_, true))
     bench_.notices->say(
-        phrase("Bone half a millimetre beside the cut had {:.0f} C or more for {:.0f} s together: it would die.",
+        phrase("Bone 0.5 mm from the cut stayed at {:.0f} °C or more for {:.0f} s in total: necrosis threshold.",
                kBodyCelsius + kBoneLimitRise, kBoneLimitSeconds));
 }
 

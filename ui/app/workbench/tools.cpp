@@ -97,7 +97,7 @@ void Tools::toolChanged() {
   run.thread().heatBy(in_hand_, samples(), heatSource(held()));
   const auto coarse = tooCoarseFor(held(), run.original()->voxel(), Held::kByHand);
   if (!coarse || !told_thin_.insert(held().id).second) return;
-  bench_.notices->say(fmt::format("{}. Voxels of {:.2g} mm are nearer.", coarse->what, coarse->finer_mm));
+  bench_.notices->say(fmt::format("{}. Use voxels of {:.2g} mm for a better fit.", coarse->what, coarse->finer_mm));
 }
 
 // ---- The rack
@@ -176,12 +176,12 @@ void Tools::add(const fs::path& file) {
   const std::string id = tool->id;
   put(rackTool({path, std::move(*tool)}, times));
   if (bench_.document->isOpen()) return bench_.sessions->reopen({.tool = path});
-  bench_.notices->say(phrase("{} is in the rack: open something to cut with it", id));
+  bench_.notices->say(phrase("{} is now in the rack. Open an object to cut with it.", id));
 }
 
 void Tools::addMade(std::vector<SessionTool> made) {
   for (SessionTool& one : made) {
-    bench_.notices->say(phrase("{} is in the rack: {}", one.tool.id, one.file.string()));
+    bench_.notices->say(phrase("{} is now in the rack: {}", one.tool.id, one.file.string()));
     const ToolTimes times = timesOf(one.file);
     put(rackTool(std::move(one), times));
   }
@@ -209,7 +209,7 @@ void Tools::watch() {
       bench_.notices->complain(tool.error());
       continue;
     }
-    bench_.notices->say(phrase("{} was changed: it is read anew", (is_mesh ? mesh : file).filename().string()));
+    bench_.notices->say(phrase("{} changed. Kerf read it again.", (is_mesh ? mesh : file).filename().string()));
     put(rackTool({file, std::move(*tool)}, times));
     if (bench_.document->isOpen() && n == in_hand_) return bench_.sessions->reopen({.tool = file});
   }
@@ -229,7 +229,7 @@ void Tools::watchBroken() {
     }
     const BrokenTool mended = broken;
     put(rackTool({mended.file, std::move(*tool)}, times));
-    bench_.notices->say(phrase("{} can be read now: it is in the rack", mended.file.filename().string()));
+    bench_.notices->say(phrase("{} is now readable and in the rack.", mended.file.filename().string()));
     if (bench_.document->isOpen() && mended.is_asked_for) bench_.sessions->reopen({.tool = mended.file});
     return;  // the others in a second
   }

@@ -46,7 +46,7 @@ Desktop::~Desktop() {
 }
 
 Expected<void> Desktop::open(int width, int height) {
-  if (!glfwInit()) return fail(noWindow("no window can be opened: " + lastGlfwError()));
+  if (!glfwInit()) return fail(noWindow("cannot open a window: " + lastGlfwError()));
   is_started_ = true;
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);

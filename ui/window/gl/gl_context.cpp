@@ -147,7 +147,7 @@ std::unique_ptr<OffscreenContext> throughHiddenWindow(std::string& attempts) {
     return nullptr;
   }
   if (!glfwInit()) {
-    attempts += "hidden window: the display can not be opened";
+    attempts += "hidden window: cannot open the display";
     return nullptr;
   }
 
@@ -173,10 +173,10 @@ Expected<std::unique_ptr<OffscreenContext>> OffscreenContext::create(bool softwa
   if (software) setenv("LIBGL_ALWAYS_SOFTWARE", "1", 0);
   std::string attempts;
   if (!canLoad({"libOpenGL.so.0", "libGL.so.1"}))
-    attempts = "libOpenGL.so.0 or libGL.so.1 can not be loaded";
+    attempts = "cannot load libOpenGL.so.0 or libGL.so.1";
   else {
     if (!canLoad({"libEGL.so.1"}))
-      attempts = "libEGL.so.1 can not be loaded; ";
+      attempts = "cannot load libEGL.so.1; ";
     else if (auto context = throughEgl(attempts))
       return context;
     if (auto context = throughHiddenWindow(attempts)) return context;

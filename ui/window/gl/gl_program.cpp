@@ -24,7 +24,7 @@ Error glFailure(std::string place, std::string found) {
           .place = std::move(place),
           .found = std::move(found),
           .expected = "OpenGL 3.3",
-          .hint = "a newer graphics driver, or LIBGL_ALWAYS_SOFTWARE=1"};
+          .hint = "update the graphics driver, or set LIBGL_ALWAYS_SOFTWARE=1"};
 }
 
 Expected<void> GlProgram::build(std::initializer_list<const char*> vertex,

@@ -13,7 +13,7 @@ Error noWindow(std::string found) {
           .place = "window",
           .found = std::move(found),
           .expected = "a display with OpenGL 3.3",
-          .hint = "kerf-sim --screenshot OUT.png or --script FILE, which need no display, or xvfb-run kerf-sim"};
+          .hint = "use kerf-sim --screenshot OUT.png or --script FILE (no display needed), or xvfb-run kerf-sim"};
 }
 
 // A hidden window without a version request gets the newest version.
@@ -22,22 +22,22 @@ Error noOpenGl() {
   glfwDefaultWindowHints();
   glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
   GLFWwindow* const hidden = glfwCreateWindow(16, 16, "Kerf", nullptr, nullptr);
-  if (!hidden) return noWindow("no window can be opened: " + reason);
+  if (!hidden) return noWindow("cannot open a window: " + reason);
 
   glfwMakeContextCurrent(hidden);
   const auto* const version = reinterpret_cast<const char*>(glGetString(GL_VERSION));
   const auto* const driver = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
-  std::string found = "this display draws by OpenGL ";
-  found += version ? version : "of an unknown version";
+  std::string found = "this display has OpenGL ";
+  found += version ? version : "with an unknown version";
   if (driver) found += std::string(" (") + driver + ")";
   glfwDestroyWindow(hidden);
   return {.code = Error::Code::kUnsupported,
           .place = "window",
-          .found = std::move(found) + ", which is too old",
+          .found = std::move(found) + ", too old for Kerf",
           .expected = "OpenGL 3.3 or newer",
           .hint =
-              "a newer driver of the graphics card; without one LIBGL_ALWAYS_SOFTWARE=1 kerf-sim draws by the "
-              "processor (Debian: libgl1-mesa-dri)"};
+              "update the graphics driver, or draw in software with LIBGL_ALWAYS_SOFTWARE=1 kerf-sim (Debian: "
+              "libgl1-mesa-dri)"};
 }
 
 std::string lastGlfwError() {

@@ -277,7 +277,7 @@ Expected<Image> readPng(const std::filesystem::path& path) {
     return wrong(Error::Code::kBadFormat, fmt::format("{} x {} pixels", width, height));
 
   stbi_uc* const pixels = stbi_load(path.c_str(), &width, &height, &channels, 4);
-  if (!pixels) return wrong(Error::Code::kBadFormat, "a picture that is cut short or damaged");
+  if (!pixels) return wrong(Error::Code::kBadFormat, "a truncated or damaged picture");
   Image out{width, height, {}};
   out.rgba.assign(pixels, pixels + 4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
   stbi_image_free(pixels);
@@ -290,8 +290,7 @@ Expected<void> writePng(const std::filesystem::path& path, const Image& image) {
     static_cast<std::ostream*>(to)->write(static_cast<const char*>(data), size);
   };
   if (!stbi_write_png_to_func(write, &file.stream(), image.width, image.height, 4, image.rgba.data(), 4 * image.width))
-    return fail(
-        {.code = Error::Code::kWriteFailed, .file = path.string(), .found = "the picture could not be encoded"});
+    return fail({.code = Error::Code::kWriteFailed, .file = path.string(), .found = "cannot encode the picture"});
   return file.commit();
 }
 

@@ -19,7 +19,6 @@
 
 #include "geometry/base/text.h"
 #include "ui/app/base/language.h"
-#include "ui/app/settings/settings.h"
 #include "ui/app/commands/app_commands.h"
 #include "ui/app/commands/pointing.h"
 #include "ui/app/commands/quit.h"
@@ -32,6 +31,7 @@
 #include "ui/app/hand/space_mouse_link.h"
 #include "ui/app/hand/stroke_pointer.h"
 #include "ui/app/session/arm_lead.h"
+#include "ui/app/settings/settings.h"
 #include "ui/app/workbench/force_device.h"
 #include "ui/app/workbench/imports.h"
 #include "ui/app/workbench/replays.h"
@@ -211,7 +211,7 @@ class Workshop {
                            bench_.document->run()->model().tools[n].drive, volume);
     }
     sound_->play(heard);
-    if (const auto error = sound_->takeError()) bench_.notices->say(phrase("The drill is silent: {}", error->found));
+    if (const auto error = sound_->takeError()) bench_.notices->say(phrase("No drill sound: {}", error->found));
   }
 
   // Theme and scale, if they have changed.

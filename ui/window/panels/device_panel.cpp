@@ -108,13 +108,13 @@ void drawReach(const ArmView& view, const Side& side) {
 void drawState(const ArmView& view) {
   const StyleColours& colours = styleColours();
   if (!view.is_there)
-    line("State", "silent: no force", &colours.warning);
+    line("State", "no data: no force", &colours.warning);
   else if (!view.is_leading)
-    line("State", "its hand is there");
+    line("State", "ready");
   else if (!view.is_armed)
-    line("State", "leads the tool, not armed");
+    line("State", "controls tool, not armed");
   else
-    line("State", "leads the tool, ARMED", &colours.good);
+    line("State", "controls tool, ARMED", &colours.good);
   if (!view.missing.empty()) wrapped(colours.warning, view.missing);
 }
 
@@ -125,7 +125,7 @@ void drawHand(const ArmView& view) {
   ImGui::SameLine();
   drawReach(view, {"from the front", 0, 2});
   const Vec3d size = view.reached.isEmpty() ? Vec3d(Vec3d::Zero()) : view.reached.size();
-  line("Reached", fmt::format("{:.0f} x {:.0f} x {:.0f} mm", size[0], size[1], size[2]));
+  line("Range used", fmt::format("{:.0f} x {:.0f} x {:.0f} mm", size[0], size[1], size[2]));
   line("in the scene",
        fmt::format("{:.0f} x {:.0f} x {:.0f} mm", view.scale * size[0], view.scale * size[1], view.scale * size[2]));
   drawButtons(view.hand.buttons, {"pedal", "clutch", "3", "4"});
@@ -135,17 +135,17 @@ void drawSafety(const ArmView& view) {
   const StyleColours& colours = styleColours();
   const float share = static_cast<float>(view.felt.force.norm() / std::max(view.most_force, 0.01));
   ui::progressBar(view.is_leading ? share : 0, {-1, 0},
-                  phrase("{:.2f} of at most {:.2g} N", view.felt.force.norm(), view.most_force));
-  line("Fading in", fmt::format("{:.0f} %", 100 * view.felt.ramp));
+                  phrase("{:.2f} of max. {:.2g} N", view.felt.force.norm(), view.most_force));
+  line("Fade-in", fmt::format("{:.0f} %", 100 * view.felt.ramp));
   if (view.felt.has_fault)
-    line("Bounds", "a force was no number: OFF", &colours.warning);
+    line("Limits", "invalid force: OFF", &colours.warning);
   else
-    line("Bounds", view.felt.is_clamped ? "the force is bound now" : "nothing is bound",
+    line("Limits", view.felt.is_clamped ? "limiting the force" : "no limit active",
          view.felt.is_clamped ? &colours.warning : nullptr);
   const bool is_old = view.felt.age_ms > 1000 * ForceArm::kDeadMan;
-  line("Age of data", fmt::format("{:.1f} ms", view.felt.age_ms), is_old ? &colours.warning : nullptr);
+  line("Data age", fmt::format("{:.1f} ms", view.felt.age_ms), is_old ? &colours.warning : nullptr);
   line("p50 p99 p99.9", fmt::format("{:.2f}  {:.2f}  {:.2f} ms", view.age_p50_ms, view.age_p99_ms, view.age_p999_ms));
-  line("Frames", phrase("{} of the hand, {} refused", view.counts.hands, view.counts.refused));
+  line("Frames", phrase("{} received, {} rejected", view.counts.hands, view.counts.refused));
 }
 
 void drawArming(AppContext& context, const ArmView& view) {
@@ -175,11 +175,10 @@ void drawChoices(AppContext& context) {
   };
   constexpr double kHighForce = 8, kHighScale = 2;  // farther: by command
   slider("##most", choice.most_force, ArmChoice::kLeastForce, std::max(kHighForce, choice.most_force),
-         "at most %.1f N");
-  slider("##scale", choice.scale, ArmChoice::kLeastScale, std::max(kHighScale, choice.scale),
-         "a mm of the hand is %.2f mm");
+         "force limit %.1f N");
+  slider("##scale", choice.scale, ArmChoice::kLeastScale, std::max(kHighScale, choice.scale), "1 mm of hand = %.2f mm");
   slider("##turn", choice.turn_deg, -180, 180, "turned by %.0f deg");
-  is_set |= ui::checkbox("The drive turns without the pedal", &choice.pedal_is_down);
+  is_set |= ui::checkbox("Run drive without pedal", &choice.pedal_is_down);
   if (is_set) arm.choose(choice);
 }
 
@@ -188,8 +187,8 @@ void drawArm(AppContext& context) {
   heading("Force-feedback device");
   if (view.what.empty()) {
     wrapped(styleColours().quiet,
-            "None is open. A bridge is a small program for your device; kerf-bridge-simulated is one "
-            "to try.");
+            "No device is open. A bridge is a small driver program for your device. To try one, start "
+            "kerf-bridge-simulated.");
     if (plainButton("Wait for a bridge", "", -1))
       say(context, runAppCommand(context, "device.open", std::vector<std::string>{"bridge"}));
     return;
@@ -200,7 +199,7 @@ void drawArm(AppContext& context) {
   heading("Force");
   drawSafety(view);
   drawArming(context, view);
-  heading("Hand to scene");
+  heading("Motion mapping");
   drawChoices(context);
 }
 
@@ -208,7 +207,7 @@ void drawKnob(const DevicePanelState& state) {
   heading("SpaceMouse");
   if (!state.knob) {
     wrapped(state.knob_trouble.empty() ? styleColours().quiet : styleColours().warning,
-            state.knob_trouble.empty() ? "None is plugged in." : state.knob_trouble);
+            state.knob_trouble.empty() ? "No SpaceMouse is plugged in." : state.knob_trouble);
     return;
   }
   ui::text(ui::asItIs(state.knob_name));
@@ -230,7 +229,7 @@ void triggerBar(const char* name, double share) {
 void drawPad(const DevicePanelState& state) {
   heading(state.is_joystick ? "Joystick" : "Gamepad");
   if (!state.pad) {
-    wrapped(styleColours().quiet, "Neither a gamepad nor a joystick is plugged in.");
+    wrapped(styleColours().quiet, "No gamepad or joystick is plugged in.");
     return;
   }
   const GamepadState& pad = *state.pad;
@@ -239,13 +238,13 @@ void drawPad(const DevicePanelState& state) {
   axisBar("tool y", -pad.left_stick[1]);
   axisBar("view x", pad.right_stick[0]);
   axisBar("view y", -pad.right_stick[1]);
-  triggerBar(state.is_joystick ? "Button 1 drills" : "Right: drills", pad.right_trigger);
-  if (!state.is_joystick) triggerBar("Left: slows", pad.left_trigger);
+  triggerBar(state.is_joystick ? "Button 1: drill" : "Right: drill", pad.right_trigger);
+  if (!state.is_joystick) triggerBar("Left: slow", pad.left_trigger);
   const std::uint64_t down = (pad.a ? 1U : 0U) | (pad.left_bumper ? 2U : 0U) | (pad.right_bumper ? 4U : 0U);
-  drawButtons(down, {"undo", "tool before", "next tool"});
+  drawButtons(down, {"undo", "previous tool", "next tool"});
   if (!state.is_joystick)
     wrapped(styleColours().quiet,
-            state.can_pad_shake ? "Shakes while it drills." : "Does not shake: its driver has no rumble.");
+            state.can_pad_shake ? "Vibrates while drilling." : "No vibration: its driver has no rumble.");
 }
 
 }  // namespace

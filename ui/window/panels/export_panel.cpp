@@ -43,7 +43,7 @@ std::string labelOf(const MeshFormatRow& format) {
 void drawFormat(AppContext& context, ExportPlan& plan) {
   const MeshFormatRow* const now = plan.format();
   ImGui::SetNextItemWidth(-1);
-  if (!ui::beginCombo("##format", now ? labelOf(*now) : "an ending that is not written")) return;
+  if (!ui::beginCombo("##format", now ? labelOf(*now) : "unsupported extension")) return;
   for (const MeshFormatRow* format : ExportPlan::formats()) {
     if (!ui::selectable(labelOf(*format), format == now)) continue;
     if (const auto set = plan.setFormat(std::string(format->name)); !set) context.bench.notices->complain(set.error());
@@ -64,8 +64,8 @@ void drawWhere(ExportPlan& plan, const std::function<void(const AppCommand&)>& a
     const std::string first = plan.replaced().front().filename().string();
     const std::size_t more = plan.replaced().size() - 1;
     ui::textColored(styleColours().warning,
-                    more == 0 ? phrase("{}: there already, would be replaced", first)
-                              : phrase("{} and {} more: there already, would be replaced", first, more));
+                    more == 0 ? phrase("{} exists; the export replaces it", first)
+                              : phrase("{} and {} more exist; the export replaces them", first, more));
   }
   ImGui::PopTextWrapPos();
 }
@@ -102,7 +102,7 @@ void drawExportFindings(ExportPlan& plan) {
     is_first = false;
   }
   if (plan.isOutdated())
-    ui::textColored(styleColours().warning, "Something was cut or moved since: it is checked again when written.");
+    ui::textColored(styleColours().warning, "The object changed after the check. Kerf checks it again on export.");
   if (plan.written()) ui::text(shownText("\nWritten, read back and checked:\n") + plan.written()->text);
   if (!plan.error().empty()) ui::textColored(styleColours().warning, plan.error());
   if (findings.empty() && plan.error().empty()) ui::textColored(styleColours().quiet, "Not checked yet.");
@@ -121,9 +121,7 @@ void drawExportButtons(AppContext& context, ExportPlan& plan) {
   if (plan.isDone()) {
     if (strongButton("Show in folder", "", scaled(150))) runExport(context, "export.show-in-folder");
   } else {
-    const char* const verb = plan.asksToReplace()        ? "Replace"
-                             : stage == Stage::kDoubtful ? "Export all the same"
-                                                         : "Export";
+    const char* const verb = plan.asksToReplace() ? "Replace" : stage == Stage::kDoubtful ? "Export anyway" : "Export";
     if (strongButton(verb, "Enter", scaled(stage == Stage::kDoubtful ? 220 : 150))) plan.write();
   }
   ImGui::SameLine();
@@ -145,13 +143,13 @@ void drawExportPanel(AppContext& context, const std::function<void(const AppComm
   ImGui::SetNextWindowSize({scaled(kExportWidth), 0}, ImGuiCond_Always);
   bool stays = true;
   ui::begin("Export", &stays, ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse);
-  heading("What");
+  heading("Content");
   drawWhat(plan);
   heading("Format");
   drawFormat(context, plan);
-  heading("Where to");
+  heading("Destination");
   drawWhere(plan, ask_for_file);
-  heading("As kerf check sees it");
+  heading("Print check");
   const bool is_at_work = plan.stage() == Stage::kChecking || plan.stage() == Stage::kWriting;
   is_at_work ? drawExportProgress(context) : drawExportFindings(plan);
   drawExportButtons(context, plan);

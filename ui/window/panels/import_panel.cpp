@@ -30,10 +30,12 @@ struct WayRow {
   const char* text;
 };
 constexpr std::array<WayRow, 4> kWays = {{
-    {Way::kAutomatic, "Automatic", "Fills holes; a missing underside gets a base. What fails is wrapped, and said."},
-    {Way::kBase, "Base", "The longest edge is the rim of a base, however short it is."},
-    {Way::kHolesOnly, "Holes only", "Fills holes. A scan without underside is refused."},
-    {Way::kWrap, "Shrink-wrap", "A new skin around everything: an approximation, for what nothing else closes."},
+    {Way::kAutomatic, "Automatic",
+     "Fills holes and adds a base if the underside is missing. If this fails, Kerf wraps the scan and reports it."},
+    {Way::kBase, "Base", "Adds a base to the longest boundary, whatever its length."},
+    {Way::kHolesOnly, "Holes only", "Fills holes. Rejects a scan without an underside."},
+    {Way::kWrap, "Shrink-wrap",
+     "Lays a new surface around the scan: an approximation, for scans that nothing else closes."},
 }};
 
 void runImport(AppContext& context, const char* id, std::vector<std::string> words = {}) {
@@ -110,7 +112,7 @@ void drawClosing(AppContext& context, ImportPlan& plan) {
     if (ImGui::IsItemHovered()) ui::setTooltip("The walls of the base follow the rim of the scan.");
     ImGui::SameLine();
     if (ui::radioButton("Full plate", choice.is_full_base)) choice.is_full_base = true;
-    if (ImGui::IsItemHovered()) ui::setTooltip("The arch stands on a plate: the place of the tongue has a floor.");
+    if (ImGui::IsItemHovered()) ui::setTooltip("The arch stands on a plate, with a floor in the tongue area.");
     float base = static_cast<float>(choice.base_mm);
     ImGui::SetNextItemWidth(-1);
     if (ui::sliderFloat("##base", &base, static_cast<float>(ImportPlan::kThinnestBase), 15,
@@ -127,24 +129,24 @@ void drawClosing(AppContext& context, ImportPlan& plan) {
     if (plan.found().has_occlusal_plane)
       ui::checkbox("Base parallel to the occlusal plane", &choice.follows_occlusal_plane);
     else
-      ui::textColored(styleColours().quiet, "No occlusal plane was found: too few cusp tips.");
+      ui::textColored(styleColours().quiet, "No occlusal plane found: too few cusp tips.");
   }
   if (choice.way == Way::kWrap) {
     float wrap = static_cast<float>(choice.wrap_mm);
     ImGui::SetNextItemWidth(-1);
     if (ui::sliderFloat("##wrap", &wrap, static_cast<float>(ImportPlan::kFinestWrap),
-                        static_cast<float>(ImportPlan::kCoarsestWrap), "bridge hollows up to %.1f mm",
+                        static_cast<float>(ImportPlan::kCoarsestWrap), "bridge gaps up to %.1f mm",
                         ImGuiSliderFlags_AlwaysClamp))
       choice.wrap_mm = 0.1 * std::round(10 * static_cast<double>(wrap));
   }
   if (!plan.found().check.isClosed() && choice.way != Way::kBase) {
     bool is_given = choice.holes_up_to_mm.has_value();
-    if (ui::checkbox("Decide which edges are holes", &is_given))
+    if (ui::checkbox("Set the hole size limit", &is_given))
       choice.holes_up_to_mm = is_given ? std::optional(20.0) : std::nullopt;
     if (choice.holes_up_to_mm) {
       float most = static_cast<float>(*choice.holes_up_to_mm);
       ImGui::SetNextItemWidth(-1);
-      if (ui::sliderFloat("##holes", &most, 1, 500, "a hole: up to %.0f mm around",
+      if (ui::sliderFloat("##holes", &most, 1, 500, "holes up to %.0f mm around",
                           ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_Logarithmic))
         choice.holes_up_to_mm = static_cast<double>(most);
     }
@@ -186,10 +188,10 @@ struct RoleRow {
   const char* word;  // of the command
   const char* text;
 };
-constexpr std::array<RoleRow, 4> kRoles = {{{ImportRole::kCut, "cut", "is cut"},
-                                            {ImportRole::kBeside, "beside", "stands beside"},
-                                            {ImportRole::kTool, "tool", "is a tool"},
-                                            {ImportRole::kOut, "out", "left out"}}};
+constexpr std::array<RoleRow, 4> kRoles = {{{ImportRole::kCut, "cut", "object to cut"},
+                                            {ImportRole::kBeside, "beside", "neighbour"},
+                                            {ImportRole::kTool, "tool", "tool"},
+                                            {ImportRole::kOut, "out", "skipped"}}};
 
 // Use of a single dropped file.
 void drawRole(AppContext& context, const ImportEntry& entry) {
@@ -198,14 +200,15 @@ void drawRole(AppContext& context, const ImportEntry& entry) {
     if (ImportRole now = entry.role; ui::radioButton(text, now == role) && now != role)
       runImport(context, "import.role", {"1", word});
   };
-  choice(ImportRole::kCut, "cut", "Cut it");
+  choice(ImportRole::kCut, "cut", "Cut this");
   ImGui::SameLine();
   if (context.bench.document->isOpen()) {
-    choice(ImportRole::kBeside, "beside", "Stand it beside");
-    if (ImGui::IsItemHovered()) ui::setTooltip(phrase("Beside {}, where its scan is.", context.bench.document->name()));
+    choice(ImportRole::kBeside, "beside", "Add as neighbour");
+    if (ImGui::IsItemHovered())
+      ui::setTooltip(phrase("Neighbour of {}, at its scan position.", context.bench.document->name()));
     ImGui::SameLine();
   }
-  choice(ImportRole::kTool, "tool", "Use it as a tool");
+  choice(ImportRole::kTool, "tool", "Use as tool");
 }
 
 // ---- Import of a mesh as a tool
@@ -224,7 +227,7 @@ void drawTool(AppContext& context, ToolPlan& plan) {
   }
   auto cut = static_cast<float>(plan.cutBelow());
   ImGui::SetNextItemWidth(-1);
-  if (ui::sliderFloat("##cut", &cut, static_cast<float>(ToolPlan::kLeastCut), 20, "cuts up to %.1f mm from its tip",
+  if (ui::sliderFloat("##cut", &cut, static_cast<float>(ToolPlan::kLeastCut), 20, "cutting part: %.1f mm from tip",
                       ImGuiSliderFlags_AlwaysClamp))
     runImport(context, "import.tool-cut", {fmt::format("{:.1f}", cut)});
 }
@@ -279,10 +282,10 @@ void drawLabel(AppContext& context, const LabelPlan& plan, const LabelFound& lab
   ImGui::TableNextColumn();
   ImGui::SetNextItemWidth(-1);
   const std::string number = std::to_string(label.label);
-  if (!ui::beginCombo("##tissue", material ? material->name : std::string("left out"))) return;
+  if (!ui::beginCombo("##tissue", material ? material->name : std::string("skipped"))) return;
   for (const MaterialProperties& row : plan.materials().rows())
     if (ui::selectable(row.name, &row == material)) runImport(context, "import.tissue", {number, row.id});
-  if (ui::selectable("left out", !material)) runImport(context, "import.tissue", {number, "none"});
+  if (ui::selectable("skipped", !material)) runImport(context, "import.tissue", {number, "none"});
   ImGui::EndCombo();
 }
 
@@ -312,10 +315,10 @@ void drawVerdict(const ImportSet& set, const ClosedPreview& preview) {
                                          preview.volume_mm3, preview.area_mm2));
   else if (preview.is_exact)
     ui::textColored(colours.good,
-                    phrase("Closed, {:.0f} mm3. Every scanned point stays where it is.", preview.volume_mm3));
+                    phrase("Closed, {:.0f} mm3. Every scanned point keeps its position.", preview.volume_mm3));
   else
     ui::textColored(colours.warning,
-                    phrase("Closed, {:.0f} mm3, as an approximation: no scanned point is kept.", preview.volume_mm3));
+                    phrase("Closed, {:.0f} mm3. Approximation: keeps no scanned point.", preview.volume_mm3));
 }
 
 void drawPreview(AppContext& context, ImportSet& set, PreviewedPlan& plan, ImportPanelState& state) {
@@ -330,14 +333,13 @@ void drawPreview(AppContext& context, ImportSet& set, PreviewedPlan& plan, Impor
   }
   if (plan.previewError()) {
     ImGui::PushTextWrapPos(0);
-    ui::textColored(colours.warning, phrase("It can not be closed in this way: {}", plan.previewError()->message()));
+    ui::textColored(colours.warning, phrase("Closing failed; try another method: {}", plan.previewError()->message()));
     ImGui::PopTextWrapPos();
     return;
   }
   const ClosedPreview* const preview = plan.preview();
   if (!preview) {
-    if (ui::button(set.labels() ? "Show the surface" : "Show the closed solid", {-1, 0}))
-      runImport(context, "import.preview");
+    if (ui::button(set.labels() ? "Show surface" : "Show closed solid", {-1, 0})) runImport(context, "import.preview");
     return;
   }
 
@@ -352,8 +354,8 @@ void drawPreview(AppContext& context, ImportSet& set, PreviewedPlan& plan, Impor
   drawVerdict(set, *preview);
   for (const std::string& warning : preview->warnings) ui::textColored(colours.warning, warning);
   ImGui::PopTextWrapPos();
-  const std::string about = (set.labels() ? phrase("What smoothing does: {} steps", preview->changes.size())
-                                          : phrase("What closing does: {} steps", preview->changes.size())) +
+  const std::string about = (set.labels() ? phrase("Smoothing steps: {}", preview->changes.size())
+                                          : phrase("Closing steps: {}", preview->changes.size())) +
                             "###changes";
   if (!preview->changes.empty() && ui::treeNode(about)) {
     ImGui::PushTextWrapPos(0);
@@ -417,7 +419,7 @@ void drawImportPanel(AppContext& context, ImportPanelState& state) {
   ui::text(ui::asItIs(chosen.file.filename().string()));
   ImGui::SetWindowFontScale(1);
   ui::textColored(styleColours().quiet,
-                  set->isSeveral() ? "The files themselves are never changed." : "The file itself is never changed.");
+                  set->isSeveral() ? "Kerf never changes these files." : "Kerf never changes this file.");
   ImGui::BeginChild("choices", {0, -scaled(46)});
   ImGui::Dummy({0, scaled(2)});
   if (set->isSeveral()) {
@@ -437,7 +439,7 @@ void drawImportPanel(AppContext& context, ImportPanelState& state) {
     drawLabels(context, *labels);
     drawVoxel(*labels, labels->hasOwnVoxel());
   } else {
-    ui::textWrapped(phrase("A {}: it is prepared as it says, nothing is decided here.", shownText(chosen.what())));
+    ui::textWrapped(phrase("A {}: it has no import settings.", shownText(chosen.what())));
   }
   ImGui::PopID();
   drawPrediction(*set);
@@ -445,7 +447,7 @@ void drawImportPanel(AppContext& context, ImportPanelState& state) {
   ImGui::EndChild();
 
   const float width = ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x;
-  const char* const go = set->cut() ? "Prepare and cut" : set->tool() ? "Make the tool" : "Prepare";
+  const char* const go = set->cut() ? "Prepare and cut" : set->tool() ? "Create tool" : "Prepare";
   if (strongButton(go, "Enter", 0.64f * width)) runImport(context, "import.start");
   ImGui::SameLine();
   if (plainButton("Cancel", "Esc", -1)) runImport(context, "import.cancel");

@@ -60,7 +60,7 @@ void drawNotices(AppContext& context, std::size_t& seen, std::size_t& drawn) {
   // Only the newest: a long list would hide the object.
   constexpr std::size_t kMost = 3;
   const std::size_t first = std::max(seen, notices.size() - std::min(notices.size(), kMost));
-  if (first > seen) ui::textColored(styleColours().quiet, phrase("{} more before", first - seen));
+  if (first > seen) ui::textColored(styleColours().quiet, phrase("{} earlier", first - seen));
   const ImGuiStyle& style = ImGui::GetStyle();
   ImGui::PushTextWrapPos(at.width - style.WindowPadding.x - style.ScrollbarSize);
   for (std::size_t n = first; n < notices.size(); ++n)

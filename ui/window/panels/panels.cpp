@@ -8,11 +8,11 @@
 #include <cmath>
 
 #include "ui/app/base/language.h"
-#include "ui/app/settings/settings.h"
-#include "ui/app/readout/point_readout.h"
 #include "ui/app/commands/pointing.h"
 #include "ui/app/document/document.h"
 #include "ui/app/document/jobs.h"
+#include "ui/app/readout/point_readout.h"
+#include "ui/app/settings/settings.h"
 #include "ui/app/workbench/export_plan.h"
 #include "ui/app/workbench/force_device.h"
 #include "ui/app/workbench/imports.h"
@@ -130,7 +130,7 @@ void drawReadings(AppContext& context, const std::optional<ToolOverSurface>& ove
   column.place();
   ui::begin("Cut", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
   const double speed = std::abs(bench.monitor->driveShare());
-  const char* const turns = bench.monitor->driveShare() < 0 ? "% backwards" : "%";
+  const char* const turns = bench.monitor->driveShare() < 0 ? "% reverse" : "%";
   const auto tip = bench.monitor->tipDepth();
   const auto depth = tip ? tip : over ? std::optional(over->depth) : std::nullopt;
 
@@ -147,10 +147,11 @@ void drawReadings(AppContext& context, const std::optional<ToolOverSurface>& ove
   ImGui::Separator();
   drawLoop(bench);
   if (r.is_latched)
-    ui::textColored(styleColours().warning, bench.device->isLed() ? "Stopped: waits for the hand."
-                                                                  : "Stopped: the machine was busy. Press again.");
+    ui::textColored(styleColours().warning, bench.device->isLed() ? "Stopped: waiting for the device."
+                                                                  : "Stopped: the computer was busy. Press again.");
   const RecorderStatus log = bench.document->run()->recorderStatus();
-  if (log.error) ui::textWrapped(phrase("The log can not be written any more: {}", log.error->message()));
+  if (log.error)
+    ui::textWrapped(phrase("Cannot write the log. End the session to keep your cuts. {}", log.error->message()));
   column.take();
   ImGui::End();
 }
@@ -210,10 +211,10 @@ void drawHints(AppContext& context) {
                           {0, 1});
   ui::begin("##hints", nullptr,
             ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove);
-  ui::textColored(styleColours().accent, "Left button on the object: cut. Hold still to go as deep as the limit.");
-  ui::text("Shift: push twice as hard. Wheel while cutting: the depth.");
-  ui::text("Alt and a move: tilt the tool. Ctrl while cutting: along its axis.");
-  ui::text("Space: foot pedal, with arrows, Home and End for small steps.");
+  ui::textColored(styleColours().accent, "Left button on the object: cut. Hold still to cut down to the depth limit.");
+  ui::text("Shift: double push. Wheel while cutting: change the depth limit.");
+  ui::text("Alt and drag: tilt the tool. Ctrl while cutting: move along its axis.");
+  ui::text("Space: foot pedal. Arrows, Home and End with it: small steps.");
   ui::text("Right button: turn. Middle button: move. Wheel: zoom.");
   if (ui::smallButton("Got it"))
     if (const auto done = runAppCommand(context, "view.hints", std::vector<std::string>{"off"}); !done)

@@ -81,7 +81,7 @@ void drawRemoved(const SceneObject& piece) {
   constexpr double kLeast = 0.005;  // mm^3: less would show as zero
   if (piece.removed_mm3 < kLeast) return;
   ImGui::Indent(scaled(30));
-  ui::textDisabled(phrase("{:.2f} mm3 removed from it", piece.removed_mm3));
+  ui::textDisabled(phrase("{:.2f} mm3 removed", piece.removed_mm3));
   ImGui::Unindent(scaled(30));
 }
 
@@ -119,7 +119,7 @@ void drawList(AppContext& context, PanelColumn& column) {
     ImGui::PushID(static_cast<int>(piece->id));
     bool is_shown = !piece->is_hidden;
     if (ui::checkbox("##shown", &is_shown)) bench.pieces->hide(piece->id, !is_shown);
-    if (ImGui::IsItemHovered()) ui::setTooltip("Show it");
+    if (ImGui::IsItemHovered()) ui::setTooltip("Show or hide");
     ImGui::SameLine();
     if (const PieceColour* const colour = findPieceColour(piece->colour)) {
       const ImVec2 at = ImGui::GetCursorScreenPos();
@@ -149,7 +149,7 @@ void drawList(AppContext& context, PanelColumn& column) {
     drawColours(context, *chosen);
     drawMove(bench, *chosen);
   } else {
-    ui::textDisabled("Click one to move or name it");
+    ui::textDisabled("Click a piece to move or name it");
   }
   column.take();
   ImGui::End();
@@ -158,22 +158,22 @@ void drawList(AppContext& context, PanelColumn& column) {
 // The neighbours.
 void drawBeside(Workbench& bench, PanelColumn& column) {
   column.place();
-  ui::begin("Beside", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
+  ui::begin("Neighbours", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
   for (const SceneObject* object : bench.document->scene().shown()) {
     if (!object->isBeside()) continue;
     ImGui::PushID(static_cast<int>(object->id));
     bool is_shown = !object->is_hidden, is_ghost = object->is_ghost;
     if (ui::checkbox("##shown", &is_shown)) bench.pieces->hide(object->id, !is_shown);
-    if (ImGui::IsItemHovered()) ui::setTooltip("Show it; the tool meets it all the same");
+    if (ImGui::IsItemHovered()) ui::setTooltip("Show or hide; the tool still touches it");
     ImGui::SameLine();
     if (ui::checkbox("##ghost", &is_ghost)) bench.neighbours->makeGhost(object->id, is_ghost);
-    if (ImGui::IsItemHovered()) ui::setTooltip("A ghost: translucent, and not pointed at");
+    if (ImGui::IsItemHovered()) ui::setTooltip("Ghost: translucent and not clickable");
     ImGui::SameLine();
     ui::text(ui::asItIs(object->name));
     ImGui::PopID();
   }
   bool stops = bench.strokes->stop_short_beside_mm.has_value();
-  if (ui::checkbox("Stop short of them", &stops))
+  if (ui::checkbox("Stop short of neighbours", &stops))
     bench.strokes->stopShortBeside(stops ? std::optional(Strokes::kUsualShortBeside) : std::nullopt);
   column.take();
   ImGui::End();

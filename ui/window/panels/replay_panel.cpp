@@ -61,7 +61,7 @@ std::string stateOf(const WatchedRun& run) {
   const WatchMoment& now = run.moment();
   std::string out = phrase("{:.1f} of {:.1f} s, step {} of {}", kTick * static_cast<double>(now.sample), run.seconds(),
                            now.steps, run.steps().size());
-  if (now.is_jumping) out += phrase(", on the way: {:.0f} %", 100 * now.jump_share);
+  if (now.is_jumping) out += phrase(", jumping: {:.0f} %", 100 * now.jump_share);
   return out;
 }
 
@@ -70,11 +70,11 @@ const char* nameOf(WatchedStep::Kind kind) {
     case WatchedStep::Kind::kStroke:
       return "stroke";
     case WatchedStep::Kind::kMove:
-      return "a piece moved";
+      return "piece moved";
     case WatchedStep::Kind::kUndo:
-      return "taken back";
+      return "undone";
     case WatchedStep::Kind::kRedo:
-      return "done again";
+      return "redone";
   }
   return "";
 }
@@ -141,7 +141,7 @@ void drawStrip(AppContext& context) {
   ImGui::SameLine(0, scaled(16));
   ui::text(stateOf(run));
   ImGui::SameLine(0, scaled(16));
-  button(context, "Go on cutting", "replay.go-on", !now.is_jumping && !context.bench.jobs->running());
+  button(context, "Continue cutting", "replay.go-on", !now.is_jumping && !context.bench.jobs->running());
   button(context, "Close", "replay.close");
   ImGui::NewLine();
   drawBar(context);
@@ -157,7 +157,7 @@ void drawMoment(AppContext& context, PanelColumn& column) {
   const Workbench& bench = context.bench;
   const HapticReport& report = bench.document->report();
   column.place();
-  ui::begin("Watched", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
+  ui::begin("Replay", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
   reading("Tool", bench.tools->at(bench.tools->inHand()).id, "");
   reading("Force", fmt::format("{:.2f}", report.output.force.force.norm()), "N");
   reading("Spindle", fmt::format("{:.0f}", 100 * bench.monitor->driveShare()), "%");
@@ -180,7 +180,7 @@ void drawReplay(AppContext& context) {
 
 void drawRunQuestion(AppContext& context) {
   Workbench& bench = context.bench;
-  constexpr const char* kTitle = "A session that was cut before###run-question";
+  constexpr const char* kTitle = "Open a saved session###run-question";
   if (!bench.replays->askedRun()) return;
   if (!ui::isPopupOpen(kTitle)) ui::openPopup(kTitle);
   ImGui::SetNextWindowSize({scaled(460), 0});
@@ -190,21 +190,21 @@ void drawRunQuestion(AppContext& context) {
   ImGui::PushTextWrapPos(0);
   ui::text(ui::asItIs(run.string()));
   ui::textColored(styleColours().quiet,
-                  "To go on opens what was cut, in a session of its own. To watch shows how it was cut.");
+                  "Continue opens the cut object in a new session. Replay plays the recorded session.");
   ImGui::PopTextWrapPos();
   ImGui::Dummy({0, scaled(4)});
   bool is_over = false;
-  if (strongButton("Go on", "", scaled(135))) {
+  if (strongButton("Continue", "", scaled(135))) {
     bench.sessions->open(run);
     is_over = true;
   }
   ImGui::SameLine();
-  if (plainButton("Watch", "", scaled(135))) {
+  if (plainButton("Replay", "", scaled(135))) {
     bench.replays->open(run);
     is_over = true;
   }
   ImGui::SameLine();
-  is_over |= plainButton("Neither", "Esc", -1) || ImGui::IsKeyPressed(ImGuiKey_Escape);
+  is_over |= plainButton("Cancel", "Esc", -1) || ImGui::IsKeyPressed(ImGuiKey_Escape);
   if (is_over) {
     bench.replays->forgetAskedRun();
     ImGui::CloseCurrentPopup();

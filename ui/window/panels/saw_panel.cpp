@@ -44,7 +44,7 @@ void stepper(AppContext& context, const char* name, const std::string& value, co
   ImGui::SameLine(right - kStepWidth);
   if (ui::button("+", {kStepWidth, 0})) runSaw(context, command, {fmt::format("{:.9g}", base + by)});
   ImGui::PopButtonRepeat();
-  if (ImGui::IsItemHovered()) ui::setTooltip("Shift: steps ten times as fine");
+  if (ImGui::IsItemHovered()) ui::setTooltip("Shift: 10 times finer steps");
   ImGui::PopID();
 }
 
@@ -70,7 +70,7 @@ void drawProgress(AppContext& context, const SawingStatus& status) {
   const std::string volumes = phrase("{:.1f} of {:.1f} mm3", status.removed_mm3, status.planned_mm3);
   ui::textColored(kQuiet, volumes);
   if (status.is_stopping)
-    ui::text("The blade is drawn out...");
+    ui::text("Retracting the blade...");
   else if (wideButton("Stop", false))
     runSaw(context, "saw.stop");
 }
@@ -126,7 +126,7 @@ void drawClearance(AppContext& context) {
   const auto left = context.bench.saw->clearance();
   if (!left) return;
   if (left->is_far)
-    return ui::textColored(kQuiet, phrase("Over {:.0f} mm from all nerves and pulps", left->distance_mm));
+    return ui::textColored(kQuiet, phrase("More than {:.0f} mm from all nerves and pulps", left->distance_mm));
   const std::string name = shownText(context.bench.document->nameOf(left->material));
   const std::string away = phrase("{:.1f} mm from the {}", left->distance_mm, name);
   if (left->distance_mm < 0)
@@ -141,17 +141,17 @@ void drawCut(AppContext& context) {
   Sawing& saw = *context.bench.saw;
   drawClearance(context);
   bool is_guided = saw.guide;
-  if (ui::checkbox("Guide the blade by mouse", &is_guided)) runSaw(context, "saw.guide", {is_guided ? "on" : "off"});
-  if (ImGui::IsItemHovered()) ui::setTooltip("A saw moved by mouse stays in this plane (G)");
+  if (ui::checkbox("Guide blade by mouse", &is_guided)) runSaw(context, "saw.guide", {is_guided ? "on" : "off"});
+  if (ImGui::IsItemHovered()) ui::setTooltip("Keeps a mouse-guided saw in this plane (G)");
 
   auto force = static_cast<float>(saw.force);
-  ui::text("Push, at most");
+  ui::text("Push limit");
   ImGui::PushItemWidth(-1);
   if (ui::sliderFloat("##sawforce", &force, static_cast<float>(Sawing::kLeastForce),
                       static_cast<float>(Sawing::kMostForce), "%.1f N", ImGuiSliderFlags_AlwaysClamp))
     saw.force = static_cast<double>(force);
   ImGui::PopItemWidth();
-  if (wideButton("Cut this plane now", true)) runSaw(context, "saw.cut");
+  if (wideButton("Cut this plane", true)) runSaw(context, "saw.cut");
 }
 
 void drawHint(const Sawing& saw) {

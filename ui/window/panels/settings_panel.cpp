@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "ui/app/base/language.h"
-#include "ui/app/settings/settings.h"
 #include "ui/app/base/system_dialog.h"
 #include "ui/app/document/jobs.h"
+#include "ui/app/settings/settings.h"
 #include "ui/app/workbench/strokes.h"
 #include "ui/window/gl/style.h"
 #include "ui/window/gl/widgets.h"
@@ -27,10 +27,10 @@ void save(AppContext& context) {
 // Keeps a broken file until the user decides.
 void drawBrokenSettings(AppContext& context) {
   ImGui::PushTextWrapPos(0);
-  ui::textColored(styleColours().warning, phrase("The file of settings can not be read, and nothing is kept: {}",
+  ui::textColored(styleColours().warning, phrase("Cannot read the settings file; changes are not saved. {}",
                                                  context.settings->error()->message()));
   ImGui::PopTextWrapPos();
-  if (!plainButton("Set it aside and begin anew", "", -1)) return;
+  if (!plainButton("Set aside and start new file", "", -1)) return;
   if (const auto done = context.settings->setAside(); !done) return context.bench.notices->complain(done.error());
   save(context);
 }
@@ -75,7 +75,7 @@ void drawSettings(AppContext& context) {
   static const bool has_system_dialog = SystemDialog::program().has_value();  // avoids a search in each frame
   bool is_set = false;
 
-  heading("Looks");
+  heading("Appearance");
   if (ui::radioButton("Light", values.theme == Theme::kLight)) {
     values.theme = Theme::kLight;
     is_set = true;
@@ -87,13 +87,13 @@ void drawSettings(AppContext& context) {
   }
   // Each size changes the layout of the window: in steps, so that a slider does not run away from the mouse.
   ImGui::AlignTextToFramePadding();
-  ui::text(phrase("Size of type and panels: {:.0f} %", 100 * values.ui_scale));
+  ui::text(phrase("Text and panel size: {:.0f} %", 100 * values.ui_scale));
   ui::sameLineAt(scaled(270));
   if (ui::button("-##smaller", {scaled(36), 0})) (void)runAppCommand(context, "view.smaller");
   ImGui::SameLine();
   if (ui::button("+##larger", {scaled(36), 0})) (void)runAppCommand(context, "view.larger");
   bool has_hints = !values.are_hints_dismissed;
-  if (ui::checkbox("Show the hints for the mouse", &has_hints)) {
+  if (ui::checkbox("Show mouse hints", &has_hints)) {
     values.are_hints_dismissed = !has_hints;
     is_set = true;
   }
@@ -101,7 +101,7 @@ void drawSettings(AppContext& context) {
   drawLanguage(context);
   heading("Perspective");
   bool is_perspective = context.camera.isPerspective();
-  if (ui::checkbox("Near things are larger", &is_perspective)) (void)runAppCommand(context, "view.perspective");
+  if (ui::checkbox("Use perspective", &is_perspective)) (void)runAppCommand(context, "view.perspective");
   float field = static_cast<float>(values.perspective_deg);
   ImGui::SetNextItemWidth(-1);
   if (ui::sliderFloat("##field", &field, static_cast<float>(Camera::kLeastField),
@@ -113,16 +113,16 @@ void drawSettings(AppContext& context) {
 
   heading("Files");
   bool is_system = !values.has_own_dialog;
-  if (ui::checkbox("Ask by the system's dialog", &is_system)) {
+  if (ui::checkbox("Use the system file dialog", &is_system)) {
     values.has_own_dialog = !is_system;
     is_set = true;
   }
   if (!has_system_dialog) {
     ImGui::SameLine();
-    ui::textColored(styleColours().quiet, "there is none");
+    ui::textColored(styleColours().quiet, "none installed");
   }
 
-  heading("Sound of the drill");
+  heading("Drill sound");
   float volume = static_cast<float>(values.sound_volume);
   ImGui::SetNextItemWidth(-scaled(90));
   if (ui::sliderFloat("##volume", &volume, 0, 100, "%.0f %%", ImGuiSliderFlags_AlwaysClamp))
@@ -131,7 +131,7 @@ void drawSettings(AppContext& context) {
   ImGui::SameLine();
   is_set |= ui::checkbox("Mute", &values.is_muted);
 
-  heading("At the beginning of a session");
+  heading("Session defaults");
   float force = static_cast<float>(values.force_N), depth = static_cast<float>(values.depth_mm);
   ImGui::SetNextItemWidth(-1);
   if (ui::sliderFloat("##force", &force, static_cast<float>(Strokes::kLeastForce), 5, "push %.1f N",
@@ -143,10 +143,10 @@ void drawSettings(AppContext& context) {
                       ImGuiSliderFlags_AlwaysClamp))
     values.depth_mm = 0.05 * std::round(20 * static_cast<double>(depth));
   is_set |= ImGui::IsItemDeactivatedAfterEdit();
-  if (plainButton("Take those of now", "", -1)) (void)runAppCommand(context, "settings.push");
+  if (plainButton("Use current values", "", -1)) (void)runAppCommand(context, "settings.push");
 
   ImGui::PushTextWrapPos(0);
-  ui::textColored(styleColours().quiet, phrase("Kept in {}", context.settings->path().string()));
+  ui::textColored(styleColours().quiet, phrase("Saved in {}", context.settings->path().string()));
   ImGui::PopTextWrapPos();
   ImGui::End();
   if (is_set) save(context);

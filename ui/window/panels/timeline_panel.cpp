@@ -74,7 +74,7 @@ void drawHover(const Workbench& bench, std::size_t block, float top) {
   ImGui::SetNextWindowPos({ImGui::GetIO().MousePos.x, top - 8}, ImGuiCond_Always, {0.5f, 1});
   ImGui::BeginTooltip();
   ui::text(text);
-  ui::textColored(styleColours().quiet, ui::asItIs(shownText("Click or drag: go there. ") + shownText(loss)));
+  ui::textColored(styleColours().quiet, ui::asItIs(shownText("Click or drag to go there. ") + shownText(loss)));
   ImGui::EndTooltip();
 }
 
@@ -85,7 +85,7 @@ float drawSummary(const Workbench& bench, std::size_t done) {
   const std::uint64_t older = timeline.older(), all = older + timeline.steps().size();
   const auto textOf = [&](std::uint64_t now) {
     const std::string text = phrase("Step {} of {}", now, all);
-    return older > 0 ? text + phrase(" (back to {} at most)", older) : text;
+    return older > 0 ? text + phrase(" (undo to {} at most)", older) : text;
   };
   const std::string text = textOf(older + done), loss = lossOf(timeline.steps().size() - done);
   ImGui::AlignTextToFramePadding();
@@ -100,10 +100,10 @@ float drawBranches(AppContext& context) {
   const std::string label = count == 1 ? shownText("1 branch") : phrase("{} branches", count);
   if (ui::button(label + "###branches")) ui::openPopup("##branches");
   const float width = ImGui::GetItemRectSize().x;
-  if (ImGui::IsItemHovered()) ui::setTooltip("Steps that were taken back before others were cut");
+  if (ImGui::IsItemHovered()) ui::setTooltip("Undone steps that later cuts replaced");
   if (!ui::beginPopup("##branches")) return width;
 
-  ui::textColored(styleColours().quiet, "Go on with, in a session of its own:");
+  ui::textColored(styleColours().quiet, "Continue in a new session:");
   const std::vector<Branch> branches = context.bench.steps->branches();
   for (std::size_t n = 0; n < branches.size(); ++n) {
     const std::string row = fmt::format("{}: {}", n + 1, branches[n].text);

@@ -35,7 +35,7 @@ ImVec4 shownTissues(const Rgba8& c) {
 void drawRemovedTissues(double whole_mm3, double removed_mm3) {
   constexpr double kLeast = 0.005;  // mm^3
   if (removed_mm3 < kLeast || whole_mm3 <= 0) return;
-  ui::textColored(styleColours().quiet, phrase("    {:.2f} of {:.1f} mm3 gone ({:.1f} %)", removed_mm3, whole_mm3,
+  ui::textColored(styleColours().quiet, phrase("    {:.2f} of {:.1f} mm3 cut ({:.1f} %)", removed_mm3, whole_mm3,
                                                100 * removed_mm3 / whole_mm3));
 }
 
@@ -43,7 +43,7 @@ void drawTissueRow(AppContext& context, const SeenTissue& tissue) {
   ImGui::PushID(tissue.id.c_str());
   bool is_seen = tissue.look != TissueLook::kHide;
   if (ui::checkbox("##seen", &is_seen)) runTissues(context, "view.tissue", {tissue.id, is_seen ? "show" : "hide"});
-  if (ImGui::IsItemHovered()) ui::setTooltip("Show it, or hide it");
+  if (ImGui::IsItemHovered()) ui::setTooltip("Show or hide");
   ImGui::SameLine();
   ImGui::ColorButton("##colour", shownTissues(tissue.colour),
                      ImGuiColorEditFlags_NoTooltip | ImGuiColorEditFlags_NoPicker, {scaled(16), scaled(16)});
@@ -53,7 +53,7 @@ void drawTissueRow(AppContext& context, const SeenTissue& tissue) {
   ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - scaled(66));
   bool is_ghost = tissue.look == TissueLook::kGhost;
   if (ui::checkbox("ghost", &is_ghost)) runTissues(context, "view.tissue", {tissue.id, is_ghost ? "ghost" : "show"});
-  if (ImGui::IsItemHovered()) ui::setTooltip("Let what is under it shine through");
+  if (ImGui::IsItemHovered()) ui::setTooltip("Make translucent");
   drawRemovedTissues(tissue.mm3, context.bench.document->removedOf(tissue.material));
   ImGui::PopID();
 }
@@ -65,7 +65,7 @@ struct ColoursRow {
 };
 constexpr std::array<ColoursRow, 4> kColours = {
     {{SurfaceColours::kTissue, "tissue", "tissue"},
-     {SurfaceColours::kScan, "scan", "as scanned"},
+     {SurfaceColours::kScan, "scan", "scan colours"},
      {SurfaceColours::kDepth, "depth", "depth"},
      {SurfaceColours::kDistance, "distance", "distance to pulp and nerve"}}};
 

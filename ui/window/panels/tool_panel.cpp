@@ -10,10 +10,10 @@
 #include <optional>
 
 #include "ui/app/base/language.h"
-#include "ui/app/settings/settings.h"
-#include "ui/app/readout/tool_rack.h"
 #include "ui/app/document/document.h"
 #include "ui/app/document/jobs.h"
+#include "ui/app/readout/tool_rack.h"
+#include "ui/app/settings/settings.h"
 #include "ui/app/workbench/strokes.h"
 #include "ui/app/workbench/tools.h"
 #include "ui/window/gl/style.h"
@@ -66,7 +66,7 @@ void drawStar(AppContext& context, const Tool& tool, bool is_favourite) {
     if (const auto done = runAppCommand(context, "tool.favourite", std::vector<std::string>{tool.id}); !done)
       context.bench.notices->complain(done.error());
   const bool is_hovered = ImGui::IsItemHovered();
-  if (is_hovered) ui::setTooltip(is_favourite ? "A favourite no longer" : "A favourite: first in the rack");
+  if (is_hovered) ui::setTooltip(is_favourite ? "Remove from favourites" : "Add to favourites at the top");
 
   std::array<ImVec2, 2 * kPoints> corners;
   for (std::size_t n = 0; n < corners.size(); ++n) {
@@ -96,7 +96,10 @@ bool drawRow(AppContext& context, ToolPanelState& state, const RackView& view, s
   const Error* const error = bench.tools->error(n);
   if (ImGui::IsItemHovered())
     ui::setTooltip(fmt::format("{}\n{}{}{}{}{}", tool.id, tool.description, tool.iso6360.empty() ? "" : "\nISO 6360 ",
-                               tool.iso6360, error ? "\nIt is as it was read before: " : "",
+                               tool.iso6360,
+                               error ? "\n"
+                                       "The rack still has the last readable version: "
+                                     : "",
                                error ? error->message() : ""));
 
   auto icon = state.icons.find(tool.cut.get());
@@ -122,7 +125,7 @@ void drawBroken(const BrokenTool& broken) {
   ImGui::PushID(broken.file.c_str());
   ui::selectable("##broken", false, 0, {0, side});
   if (ImGui::IsItemHovered()) ui::setTooltip(broken.error.message());
-  const std::string text = phrase("{}: no tool yet", broken.file.filename().string());
+  const std::string text = phrase("{}: not readable as a tool", broken.file.filename().string());
   ui::addText(*ImGui::GetWindowDrawList(), {at.x + scaled(8), at.y + 0.5f * (side - line)},
               ImGui::GetColorU32(styleColours().warning), text);
   ImGui::PopID();
@@ -163,7 +166,7 @@ std::optional<std::size_t> drawRack(AppContext& context, ToolPanelState& state) 
       else if (drawRow(context, state, view, rows[n - broken]))
         clicked = rows[n - broken];
   ImGui::PopStyleVar();
-  if (rows.empty() && broken == 0) ui::textDisabled("None is called that");
+  if (rows.empty() && broken == 0) ui::textDisabled("No tool matches");
   ImGui::EndChild();
 
   if (bench.tools->firstLook() < bench.tools->count() && !state.search[0]) {
@@ -196,7 +199,7 @@ void drawTilt(AppContext& context) {
   ui::text(phrase("Tilt {:.0f} deg, towards {:.0f} deg", tilt.angle / kDegree,
                   azimuthInView(context.camera, tilt) / kDegree));
   ImGui::SameLine();
-  if (ui::smallButton("Upright")) tilt = {};
+  if (ui::smallButton("Reset")) tilt = {};
 }
 
 void drawToolHand(Workbench& bench) {
@@ -213,15 +216,15 @@ void drawToolHand(Workbench& bench) {
                       ImGuiSliderFlags_AlwaysClamp))
     bench.strokes->deepen(static_cast<double>(depth) - bench.strokes->depth_mm);
   drawStopShort(bench);
-  ui::text("Speed");
+  ui::text("Spindle speed");
   if (ui::sliderFloat("##speed", &speed, 0, 100, "%.0f %%", ImGuiSliderFlags_AlwaysClamp))
     bench.strokes->setSpeed(0.01 * static_cast<double>(speed));
   bool is_reversed = bench.strokes->isReversed();
-  if (bench.strokes->canReverse() && ui::checkbox("Turn backwards", &is_reversed)) {
+  if (bench.strokes->canReverse() && ui::checkbox("Reverse drive", &is_reversed)) {
     if (const auto turned = bench.strokes->setReversed(is_reversed); !turned)
       bench.notices->say(turned.error().message());
   }
-  ui::text("Spray");
+  ui::text("Irrigation");
   if (ui::sliderFloat("##spray", &spray, 0, 100, "%.0f %%", ImGuiSliderFlags_AlwaysClamp))
     bench.strokes->setIrrigation(0.01 * static_cast<double>(spray));
   ImGui::PopItemWidth();

@@ -130,15 +130,14 @@ kerf::Expected<Shown> read(const Arguments& arguments) {
 
   if (kerf::SectionPlane plane; !arguments.section.empty()) {
     if (!parseSection(arguments.section, plane))
-      return kerf::fail(
-          badValue("--section", arguments.section,
-                   "X,Y,Z,NX,NY,NZ: a point in mm and a direction; or center or cut in the place of the point",
-                   "--section center,0,1,0"));
+      return kerf::fail(badValue("--section", arguments.section,
+                                 "X,Y,Z,NX,NY,NZ: a point in mm and a direction; or center or cut instead of the point",
+                                 "--section center,0,1,0"));
     shown.cut = plane;
   }
 
   if (!arguments.screenshot.empty() && !hasPngEnding(arguments.screenshot))
-    return kerf::fail(badValue("--screenshot", arguments.screenshot, "a name that ends in .png: pictures are PNG files",
+    return kerf::fail(badValue("--screenshot", arguments.screenshot, "a name that ends in .png",
                                std::filesystem::path(arguments.screenshot).replace_extension(".png").c_str()));
   return shown;
 }
@@ -185,7 +184,7 @@ kerf::Expected<void> draw(const Arguments& arguments, const Shown& shown) {
   const Eigen::Matrix3d upright = found ? kerf::uprightFrame(*found) : Eigen::Matrix3d::Identity();
   if (!upright.isIdentity() && !shown.up)
     kerf::printText(stderr,
-                    "kerf-sim: note: shown with {} up, where the scan's occlusal side is; --up +z shows it as stored\n",
+                    "kerf-sim: note: shown with {} up, the occlusal side of the scan; --up +z shows it as stored\n",
                     kerf::nameOfAxis(*found));
   for (kerf::Vec3d& p : scene.mesh.vertices) p = upright * p;
   kerf::fitTo(camera, scene.mesh, width, height);
@@ -216,29 +215,28 @@ int main(int argc, char** argv) try {
       "Mouse: left cuts, right turns, middle moves, wheel zooms. Keys and commands: kerf help window.");
   app.name("kerf-sim");
   app.set_version_flag("--version", kerf::versionText("kerf-sim", KERF_WINDOW_LIBRARIES));
-  app.add_option("scene", a.scenes,
-                 "a mesh file (" + kerf::readableFormats() +
-                     "), a case folder or a run folder; of several to cut the first is worked on, the others stand "
-                     "beside it")
+  app.add_option(
+         "scene", a.scenes,
+         "a mesh file (" + kerf::readableFormats() +
+             "), a case folder or a run folder; of several, the first is the object to cut, the others are neighbours")
       ->type_name("MESH|CASE|RUN");
   app.add_option("--script", a.script, "run the commands of a file instead of opening a window; needs no display")
       ->type_name("FILE");
-  app.add_option("--replay", a.replay,
-                 "watch a session that has ended, from its beginning; kerf-sim RUN goes on with it")
+  app.add_option("--replay", a.replay, "replay an ended session from the beginning; kerf-sim RUN continues it")
       ->type_name("RUN");
   auto* film = app.add_option("--film", a.film,
-                              "with --replay: write a picture for each step of the session's time instead of opening a "
-                              "window: frame-00001.png, ... in a new folder; needs no display")
+                              "with --replay: write pictures of the replay to a new folder instead of opening a "
+                              "window: frame-00001.png, ...; needs no display")
                    ->type_name("DIR");
-  app.add_option("--fps", a.fps, "with --film: pictures a simulated second")
+  app.add_option("--fps", a.fps, "with --film: pictures per simulated second")
       ->capture_default_str()
       ->needs(film)
       ->check(CLI::Range(0.001, kerf::FilmOptions::kMostFps));
-  app.add_option("--from", a.from, "with --film: where it begins, s")->needs(film)->capture_default_str();
-  app.add_option("--until", a.until, "with --film: where it ends, s (default: the end)")->needs(film);
+  app.add_option("--from", a.from, "with --film: start time, s")->needs(film)->capture_default_str();
+  app.add_option("--until", a.until, "with --film: end time, s (default: the end of the session)")->needs(film);
   app.add_flag("--watch", a.is_watched,
-               "draw a script's frames as the window would, and print how long they took, how far the picture was "
-               "behind the cut, and how punctual the 1 kHz loop was");
+               "draw the frames of a script as the window does; print frame times, delay from cut to picture, and "
+               "timing of the 1 kHz loop");
   app.add_flag("--commands", a.lists_commands,
                "list the commands of the window and of its scripts, as kerf help window and kerf help script");
   app.add_option("--tool", a.tools, "a tool of the rack, by id or file; repeat for several (default: a selection)")
@@ -246,24 +244,24 @@ int main(int argc, char** argv) try {
       ->expected(1)
       ->allow_extra_args(false)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  app.add_option("--voxel", a.voxel, "of a scan that is opened, mm (default: as kerf bake chooses)")
+  app.add_option("--voxel", a.voxel, "voxel size of an opened scan, mm (default: as kerf bake chooses)")
       ->type_name("MM")
       ->check(CLI::Range(0.01, 2.0));
   app.add_option("--unit", a.unit,
-                 "of a scan that is opened or drawn: mm, cm, m, um or inch (default: as it says, or by its size)")
+                 "unit of an opened or drawn scan: mm, cm, m, um or inch (default: from the file, or by its size)")
       ->type_name("UNIT")
       ->check(CLI::IsMember({"mm", "cm", "m", "um", "inch"}));
   app.add_option("--case", a.cases,
-                 "where the case of the run is, if the run was moved without it. Repeat for cases that stood beside it")
+                 "folder of the case if the run was moved without it. Repeat for the cases of neighbours")
       ->type_name("FOLDER")
       ->expected(1)
       ->allow_extra_args(false)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("--device", a.device,
-                 "a force-feedback device that leads the tool: bridge, bridge:PORT, replay:FILE, or path or "
-                 "serial number of an arm that kerf devices lists; it gives force when it is armed (device.arm)")
+                 "force-feedback device that controls the tool: bridge, bridge:PORT, replay:FILE, or path or serial "
+                 "number from kerf devices; device.arm turns its force on")
       ->type_name("NAME");
-  app.add_option("--space-mouse", a.space_mouse, "the SpaceMouse to be used, where there are several")
+  app.add_option("--space-mouse", a.space_mouse, "SpaceMouse to use if several are plugged in")
       ->type_name("PATH|SERIAL");
   app.add_option("--config", a.config, "folder for settings (default: ~/.config/kerf)")->type_name("FOLDER");
   app.add_option("--data", a.data, "folder for cases and sessions (default: ~/.local/share/kerf)")->type_name("FOLDER");
@@ -277,30 +275,30 @@ int main(int argc, char** argv) try {
       ->type_name("NAME");
   app.add_option(
          "--up", a.up,
-         "the side that is up: +x, -x, +y, -y, +z, -z, or auto, away from a base or an open underside (default; "
-         "the window finds the occlusal side itself: view.up); views are named by it, coordinates stay the scan's")
+         "side that is up: +x, -x, +y, -y, +z, -z, or auto (default): away from a base or an open underside; in the "
+         "window the occlusal side (view.up). View names depend on it; coordinates stay those of the scan")
       ->type_name("AXIS");
   app.add_option("--size", a.size, "pixels of the picture (default 1200x900) or the window (1280x800)")
       ->type_name("WxH");
-  app.add_option("--zoom", a.zoom, "times larger than what fits")
+  app.add_option("--zoom", a.zoom, "zoom factor; 1 fits the object")
       ->type_name("F")
       ->check(CLI::Range(0.001, 1000.0))
       ->capture_default_str();
 
-  app.add_option("--look-at", a.look_at, "the point shown at the centre, mm (default: the middle of the mesh)")
+  app.add_option("--look-at", a.look_at, "point at the centre of the picture, mm (default: the middle of the mesh)")
       ->type_name("X,Y,Z");
   app.add_option("--section", a.section,
-                 "show a case or a run cut open: a point of the plane, mm, and the direction whose side is taken away. "
-                 "In the place of the point: center, the middle of the object, or cut, the middle of what a run cut")
+                 "show a section of a case or a run: a point of the plane, mm, and the direction of the removed side. "
+                 "Instead of the point: center (middle of the object) or cut (middle of the removed volume of a run)")
       ->type_name("X,Y,Z,NX,NY,NZ | center,NX,NY,NZ | cut,NX,NY,NZ");
 
   app.add_flag("--transparent", a.transparent, "no background and no ground shadow");
   app.add_flag("--no-shadow", a.no_shadow, "no ground shadow");
   app.add_flag("--no-scale-bar", a.no_scale_bar, "no scale bar in the picture");
   app.add_flag("--grid", a.with_grid,
-               "lines in the picture at round numbers of mm to the right and up in the view, from the scan's origin: "
-               "what kerf pick --at counts. Seen from the top, with +z up, these are x and y");
-  app.add_flag("--gpu", a.gpu, "let a graphics card draw the picture; the bytes then depend on the card");
+               "draw a grid in mm, right and up in the view from the scan's origin: the coordinates of kerf pick --at. "
+               "From the top with +z up, these are x and y");
+  app.add_flag("--gpu", a.gpu, "draw the picture on the graphics card; its bytes then depend on the card");
   for (const char* const option :
        {"--zoom", "--look-at", "--section", "--transparent", "--no-shadow", "--no-scale-bar", "--grid", "--gpu"})
     app.get_option(option)->needs(app.get_option("--screenshot"));
@@ -308,9 +306,9 @@ int main(int argc, char** argv) try {
   app.add_option("--frames", a.frames, "close the window after N frames (for tests)")
       ->type_name("N")
       ->check(CLI::NonNegativeNumber);
-  app.add_flag("-v,--verbose", a.verbose, "say what draws, and print the notices of the window");
+  app.add_flag("-v,--verbose", a.verbose, "print the OpenGL driver and the notices of the window");
   app.footer(
-      "Exit code 0: done; 1: it could not be done, also without a display or OpenGL 3.3; 2: a wrong command line.\n"
+      "Exit code 0: done; 1: failed, also without a display or OpenGL 3.3; 2: wrong command line.\n"
       "Kerf is a training and lab tool, not a medical device.");
   kerf::requireFiniteNumbers(app);
 
@@ -325,11 +323,11 @@ int main(int argc, char** argv) try {
     return complain(badValue("scene", "", "a mesh, a case or a run to draw", "kerf-sim --screenshot OUT.png molar.stl"),
                     kerf::kUsage);
   if (!a.replay.empty() && !(a.scenes.empty() && a.screenshot.empty()))
-    return complain(badValue("--replay", a.replay, "no other scene, and no --screenshot beside it",
-                             "picture.write OUT.png in a script"),
-                    kerf::kUsage);
+    return complain(
+        badValue("--replay", a.replay, "no other scene, and no --screenshot", "picture.write OUT.png in a script"),
+        kerf::kUsage);
   if (!a.film.empty() && (a.replay.empty() || !a.script.empty()))
-    return complain(badValue("--film", a.film, "--replay RUN beside it, and no --script",
+    return complain(badValue("--film", a.film, "--replay RUN with it, and no --script",
                              "kerf-sim --replay molar.run --film frames"),
                     kerf::kUsage);
   if (a.scenes.size() > 1 && !a.screenshot.empty())

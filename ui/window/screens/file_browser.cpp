@@ -97,7 +97,7 @@ std::optional<fs::path> FileBrowser::draw() {
   }
 
   std::optional<fs::path> chosen;
-  if (ui::button("Up") && folder_.has_parent_path()) goTo(folder_.parent_path());
+  if (ui::button("Go up") && folder_.has_parent_path()) goTo(folder_.parent_path());
   ImGui::SameLine();
   if (const char* home = std::getenv("HOME"); ui::button("Home") && home) goTo(home);
   ImGui::SameLine();
@@ -145,11 +145,11 @@ std::optional<fs::path> FileBrowser::draw() {
   const bool is_cancelled = ui::button("Cancel", {scaled(110), 0}) || is_escape;
   if (takes_several_) {
     ImGui::SameLine();
-    ui::textDisabled(others_.empty() ? "Ctrl and a click add what stands beside" : "the first is worked on");
+    ui::textDisabled(others_.empty() ? "Ctrl and click: add neighbours" : "the first file is the object to cut");
   }
   if (!asked_.empty()) {
     ImGui::SameLine();
-    ui::text("That file is there already.");
+    ui::text("File exists. Replace it?");
   }
   if (chosen || is_cancelled) {
     ImGui::CloseCurrentPopup();

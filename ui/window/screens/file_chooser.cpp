@@ -4,9 +4,9 @@
 #include <utility>
 
 #include "ui/app/base/language.h"
-#include "ui/app/settings/settings.h"
 #include "ui/app/document/document.h"
 #include "ui/app/document/jobs.h"
+#include "ui/app/settings/settings.h"
 #include "ui/app/workbench/export_plan.h"
 #include "ui/app/workbench/imports.h"
 #include "ui/app/workbench/scene_pieces.h"
@@ -105,8 +105,8 @@ void FileChooser::take(AppContext& context, std::vector<fs::path> files) {
     return context.bench.notices->complain(
         {.code = Error::Code::kUnsupported,
          .file = files.front().string(),
-         .found = "something else is open or chosen than when you were asked for this file",
-         .expected = "the same; nothing was written",
+         .found = "the open object or the chosen piece changed after the dialog opened",
+         .expected = "no change; Kerf wrote nothing",
          .hint = "export again"});
   const bool is_open = asked_for_->id == "file.open";
   if (is_open && files.size() > 1 && asked_for_->is_enabled(context)) return context.bench.imports->addMore(files);

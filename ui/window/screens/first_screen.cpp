@@ -95,14 +95,14 @@ void FirstScreen::draw(AppContext& context, const std::function<void(const AppCo
   ImGui::PushTextWrapPos(0);
   ui::textColored(
       styleColours().quiet,
-      "STL, PLY, OBJ, OFF or 3MF, a recipe, a case, or a run to go on with or to watch. The file is never changed.");
+      "STL, PLY, OBJ, OFF or 3MF, a recipe, a case, or a run to continue or replay. Kerf never changes the file.");
   ImGui::PopTextWrapPos();
   ImGui::Dummy({0, scaled(2)});
-  if (strongButton("Open a file...", "Ctrl+O", scaled(230))) ask_for_file(*findAppCommand("import.read"));
+  if (strongButton("Open file...", "Ctrl+O", scaled(230))) ask_for_file(*findAppCommand("import.read"));
   ImGui::SameLine(0, scaled(24));
   const float line = ImGui::GetCursorPosY();
   ImGui::SetCursorPosY(line + 0.5f * (scaled(34) - ImGui::GetTextLineHeight()));
-  ui::textColored(styleColours().quiet, "or one of ours:");
+  ui::textColored(styleColours().quiet, "or open a demo:");
   for (const char* const name : demoNames()) {
     ImGui::SameLine();
     ImGui::SetCursorPosY(line);
@@ -118,14 +118,13 @@ void FirstScreen::drawLost(AppContext& context) {
   Workbench& bench = context.bench;
   if (bench.history->lostSessions().empty()) return;
   ImGui::Dummy({0, scaled(6)});
-  ui::textColored(styleColours().warning,
-                  "A session did not end: its program was stopped. What was cut is in its log.");
+  ui::textColored(styleColours().warning, "A session ended unexpectedly. Recover your cuts from its log.");
   for (std::size_t n = 0; n < std::min<std::size_t>(bench.history->lostSessions().size(), 3); ++n) {
     const std::string name = bench.history->lostSessions()[n].folder.filename().string();
     ImGui::PushID(static_cast<int>(n));
     if (ui::button("Recover", {scaled(100), 0})) bench.history->recover(n);
     ImGui::SameLine();
-    if (ui::button("Forget...", {scaled(100), 0})) asks_to_forget_ = n;
+    if (ui::button("Delete...", {scaled(100), 0})) asks_to_forget_ = n;
     ImGui::SameLine();
     ui::text(ui::asItIs(endThatFits(name, ImGui::GetContentRegionAvail().x)));
     ImGui::PopID();
@@ -139,14 +138,14 @@ void FirstScreen::drawLost(AppContext& context) {
   const std::size_t n = *asks_to_forget_;
   ImGui::PushTextWrapPos(0);
   ui::text(ui::asItIs(bench.history->lostSessions()[n].folder.string()));
-  ui::text(phrase(
-      "The folder with its log, {:.1f} MB, will be deleted. What was cut in that session can not be recovered then.",
-      1e-6 * static_cast<double>(bench.history->bytesOfLost(n))));
+  ui::text(
+      phrase("Kerf deletes the folder with its log, {:.1f} MB. You cannot recover the cuts of that session afterwards.",
+             1e-6 * static_cast<double>(bench.history->bytesOfLost(n))));
   ImGui::PopTextWrapPos();
   ImGui::Dummy({0, scaled(4)});
-  bool is_over = strongButton("Keep it", "", scaled(200));
+  bool is_over = strongButton("Keep log", "", scaled(200));
   ImGui::SameLine();
-  if (plainButton("Delete the log", "", -1)) {
+  if (plainButton("Delete log", "", -1)) {
     bench.history->forgetLost(n);
     is_over = true;
   }
@@ -160,7 +159,7 @@ void FirstScreen::drawLost(AppContext& context) {
 void FirstScreen::drawRecent(AppContext& context) {
   const std::size_t count = std::min(context.bench.history->recent().list().size(), kShown);
   if (count == 0) return;
-  heading("Opened before");
+  heading("Recent files");
   const float gap = scaled(12);
   const float width = (ImGui::GetContentRegionAvail().x - (kColumns - 1) * gap) / kColumns;
   for (std::size_t n = 0; n < count && n < context.bench.history->recent().list().size(); ++n) {
@@ -183,7 +182,7 @@ void FirstScreen::drawCard(AppContext& context, std::size_t n, float width) {
   const bool is_hovered = ImGui::IsItemHovered();
   if (is_hovered) ui::setTooltip(ui::asItIs(file.path.string()));
   if (ImGui::BeginPopupContextItem("menu")) {
-    if (ui::menuItem("Take it off this list")) bench.history->forgetRecent(n);
+    if (ui::menuItem("Remove from list")) bench.history->forgetRecent(n);
     ImGui::EndPopup();
   }
 
@@ -198,7 +197,7 @@ void FirstScreen::drawCard(AppContext& context, std::size_t n, float width) {
   ui::addText(list, {at.x + pad, at.y + height + 0.5f * pad}, ImGui::GetColorU32(ImGuiCol_Text), ui::asItIs(name));
   const ImVec4 quiet = file.is_there ? colours.quiet : colours.warning;
   const std::string folder =
-      file.is_there ? endThatFits(file.path.parent_path().string(), inside) : shownText("not there any more");
+      file.is_there ? endThatFits(file.path.parent_path().string(), inside) : shownText("file not found");
   ui::addText(list, {at.x + pad, at.y + height + 0.5f * pad + line}, ImGui::ColorConvertFloat4ToU32(quiet),
               ui::asItIs(folder));
 
@@ -206,7 +205,7 @@ void FirstScreen::drawCard(AppContext& context, std::size_t n, float width) {
     const ImVec2 next = ImGui::GetCursorScreenPos();
     ImGui::SetItemAllowOverlap();
     ImGui::SetCursorScreenPos({end.x - pad - scaled(66), end.y - line - 0.5f * pad});
-    if (ui::button("Forget", {scaled(66), 0})) bench.history->forgetRecent(n);
+    if (ui::button("Remove", {scaled(66), 0})) bench.history->forgetRecent(n);
     ImGui::SetCursorScreenPos(next);
   } else if (is_clicked) {
     bench.imports->begin(file.path);

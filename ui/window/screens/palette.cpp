@@ -77,7 +77,7 @@ const AppCommand* drawPalette(AppContext& context, CommandPalette& palette) {
     // The rows about the selected one.
     const std::size_t count = palette.found().size();
     const std::size_t first = palette.selected() < kRows ? 0 : palette.selected() - kRows + 1;
-    if (count == 0) ui::textColored(colours.quiet, "No command has these words.");
+    if (count == 0) ui::textColored(colours.quiet, "No command matches.");
     for (std::size_t n = first; n < std::min(count, first + kRows); ++n) {
       const AppCommand& command = *palette.found()[n];
       const bool is_enabled = command.is_enabled(context);
