@@ -12,6 +12,7 @@
 #include "tests/support/open_block.h"
 #include "tests/support/temporary_folder.h"
 #include "ui/app/commands/pointing.h"
+#include "ui/app/commands/zoom.h"
 #include "ui/app/document/document.h"
 #include "ui/app/document/jobs.h"
 #include "ui/app/hand/stroke_pointer.h"

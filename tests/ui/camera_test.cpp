@@ -1,3 +1,4 @@
+#include "ui/app/commands/zoom.h"
 #include "ui/app/view/camera.h"
 
 #include <gtest/gtest.h>

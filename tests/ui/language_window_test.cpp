@@ -15,10 +15,10 @@
 
 #include "tests/ui/block_on_bench.h"
 #include "ui/app/base/language.h"
-#include "ui/app/settings/settings.h"
 #include "ui/app/document/jobs.h"
+#include "ui/app/settings/settings.h"
 #include "ui/window/gl/font.h"
-#include "ui/window/gl/style.h"
+#include "ui/window/gl/theme.h"
 #include "ui/window/gl/widgets.h"
 #include "ui/window/panels/panels.h"
 
@@ -109,7 +109,7 @@ class LanguageWindow : public test::OnABlock {
   // Menus cannot be open without a mouse; all panels are.
   std::string drawAll() {
     context_.settings = &settings_;
-    context_.shows_settings = context_.shows_device = context_.shows_plots = true;
+    context_.panels["settings"] = context_.panels["device"] = context_.panels["plots"] = true;
     context_.width = 1280;
     context_.height = 800;
     std::string out;

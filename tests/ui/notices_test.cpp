@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "ui/window/gl/style.h"
+#include "ui/window/gl/theme.h"
 #include "ui/window/panels/import_panel.h"
 
 namespace kerf::notices_test {

@@ -12,6 +12,7 @@
 #include "ui/window/draw/mesh_picture.h"
 #include "ui/window/gl/gl_context.h"
 #include "ui/window/gl/image.h"
+#include "ui/window/gl/picture_legend.h"
 
 namespace kerf::picture_test {
 namespace {

@@ -1,3 +1,4 @@
+#include "ui/app/commands/zoom.h"
 #include "ui/app/hand/stroke_pointer.h"
 
 #include <gtest/gtest.h>

@@ -355,7 +355,8 @@ TEST_F(TimelineTest, WhatWasTakenBackIsKeptOfALostSessionInWhichNothingIsLeft) {
   while (next.jobs->running()) next.update();
   EXPECT_FALSE(fs::exists(lost));
   EXPECT_TRUE(next.history->lostSessions().empty());
-  EXPECT_NE(next.notices->list().back().text.find("are kept:\n"), std::string::npos) << next.notices->list().back().text;
+  EXPECT_NE(next.notices->list().back().text.find("are kept:\n"), std::string::npos)
+      << next.notices->list().back().text;
   std::vector<double> removed;
   for (const auto& entry : fs::directory_iterator(sessions)) {
     if (next.notices->list().back().text.find(entry.path().string()) == std::string::npos) continue;
@@ -447,9 +448,9 @@ TEST_F(TimelineTest, WhatIsFeltAndCutIsTraced) {
   EXPECT_EQ(trace.largest(Channel::kRate), most) << "what comes back is no cut";
 
   run("view.plots on\n");
-  EXPECT_TRUE(context_->shows_plots);
+  EXPECT_TRUE(context_->panels["plots"]);
   run("view.plots\n");
-  EXPECT_FALSE(context_->shows_plots);
+  EXPECT_FALSE(context_->panels["plots"]);
   EXPECT_NE(refusalOf("view.plots loud\n").find("on or off"), std::string::npos);
 }
 

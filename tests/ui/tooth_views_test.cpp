@@ -4,6 +4,7 @@
 
 #include "preprocess/demo/demo_arch.h"
 #include "tests/ui/block_on_bench.h"
+#include "ui/app/commands/zoom.h"
 #include "ui/app/document/document.h"
 #include "ui/app/document/jobs.h"
 #include "ui/app/workbench/sessions.h"

@@ -666,7 +666,7 @@ TEST_F(WorkbenchTest, WhatIsSetByCommandsIsKept) {
   ASSERT_TRUE(
       play("view.theme dark\nview.scale 1.5\nview.larger\nview.hints off\ncut.force 2\ncut.depth 1\n"
            "settings.push\nsettings.show\nsound.volume 80\nsound.mute\n"));
-  EXPECT_TRUE(context.shows_settings);
+  EXPECT_TRUE(context.panels["settings"]);
   const Settings kept = SettingsFile(folder_.path() / "config").values;
   EXPECT_EQ(kept.theme, Theme::kDark);
   EXPECT_NEAR(kept.ui_scale, 1.6, 1e-9);

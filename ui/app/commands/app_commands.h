@@ -6,6 +6,7 @@
 #include <array>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -21,6 +22,19 @@ namespace kerf {
 
 class SettingsFile;
 
+/// Panels that a command shows or hides, by the id of their row: "plots".
+class PanelSwitches {
+ public:
+  /// Off until it is set. The reference stays valid.
+  bool& operator[](std::string_view id) {
+    const auto at = is_on_.find(id);
+    return at != is_on_.end() ? at->second : is_on_.emplace(id, false).first->second;
+  }
+
+ private:
+  std::map<std::string, bool, std::less<>> is_on_;
+};
+
 /// State that a command reads and changes.
 struct AppContext {
   Workbench& bench;
@@ -34,10 +48,8 @@ struct AppContext {
   std::optional<std::array<double, 2>> pointer{};                ///< pixel of the picture; none: outside
   std::function<void(const std::string& text)> set_clipboard{};  ///< null: to standard output
   SettingsFile* settings = nullptr;                              ///< null: settings are not saved
-  bool shows_settings = false;
   bool wants_palette = false;
-  bool shows_plots = false;
-  bool shows_device = false;
+  PanelSwitches panels{};
 };
 
 struct AppCommand {

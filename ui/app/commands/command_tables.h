@@ -3,7 +3,10 @@
 // A new command is one row beside its function. A new table is its source and one line here and in app_commands.cpp.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <span>
+#include <string_view>
 
 #include "ui/app/base/command_words.h"
 #include "ui/app/commands/app_commands.h"
@@ -73,5 +76,19 @@ bool isOpenAndIdle(const AppContext& c);
 bool hasSettings(const AppContext& c);  ///< settings are saved
 
 }  // namespace when
+
+/// [on|off]: shows or hides a panel; without a word the other one.
+Expected<void> switchPanel(AppContext& c, AppWords words, std::string_view panel);
+
+/// For a row of a table: switchPanel<"plots">.
+template <std::size_t kSize>
+struct PanelId {
+  char text[kSize];
+  constexpr PanelId(const char (&id)[kSize]) { std::copy_n(id, kSize, text); }
+};
+template <PanelId kId>
+Expected<void> switchPanel(AppContext& c, AppWords words) {
+  return switchPanel(c, words, kId.text);
+}
 
 }  // namespace kerf

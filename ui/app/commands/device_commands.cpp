@@ -169,12 +169,6 @@ Expected<void> test(AppContext& c, AppWords words) {
   return armOf(c).testForce(newtons * direction.normalized());
 }
 
-Expected<void> panel(AppContext& c, AppWords words) {
-  KERF_TRY(is_shown, onOrOff(words, c.shows_device));
-  c.shows_device = is_shown;
-  return {};
-}
-
 constexpr AppCommand kRows[] = {
     {"device.leads", "Edit:2", "Switch SpaceMouse: tool or view", "", "[tool|view|nothing]",
      "Sets whether a SpaceMouse moves the tool or the view (default: the other one).", when::hasSettings, leads},
@@ -188,7 +182,7 @@ constexpr AppCommand kRows[] = {
      invert},
     {"device.panel", "Device", "Devices...", "", "[on|off]",
      "Shows or hides the device panel: force-feedback device with its limits, SpaceMouse, gamepad or joystick.",
-     when::always, panel},
+     when::always, switchPanel<"device">},
     {"device.open", "", "", "", "NAME",
      "Opens a force-feedback device: bridge, bridge:PORT, path or serial number. The device controls the tool once it "
      "is ready. The open object continues in a new session that fits the device.",

@@ -20,12 +20,5 @@ Ray rayUnder(const Camera& camera, double x, double y, int width, int height);
 std::array<double, 2> pixelOf(const Camera& camera, const Vec3d& point, int width, int height);
 /// Visible point at a pixel. None: the background, or a scan still in import.
 std::optional<Vec3d> pointUnder(AppContext& context, double x, double y);
-/// As orbit(), about a point: its picture position and distance stay.
-void orbitAbout(Camera& camera, const Vec3d& pivot, double dx, double dy);
-/// Magnifies by a factor about a pixel. In perspective it first focuses on the surface there: the point under the
-/// cursor stays, and the eye does not pass through it.
-void zoomAt(AppContext& context, double x, double y, double factor);
-/// Fits the box into the view, with some margin.
-void fitToBox(Camera& camera, const Box3& box, int width, int height);
 
 }  // namespace kerf

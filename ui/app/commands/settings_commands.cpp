@@ -104,14 +104,9 @@ Expected<void> setLanguage(AppContext& c, AppWords words) {
   return c.settings->save();
 }
 
-Expected<void> showSettings(AppContext& c, AppWords) {
-  c.shows_settings = !c.shows_settings;
-  return {};
-}
-
 constexpr AppCommand kRows[] = {
-    {"settings.show", "Edit:2", "Settings...", "Ctrl+,", "", "Shows or hides the settings.", when::hasSettings,
-     showSettings},
+    {"settings.show", "Edit:2", "Settings...", "Ctrl+,", "[on|off]", "Shows or hides the settings.", when::hasSettings,
+     switchPanel<"settings">},
     {"sound.volume", "", "", "", "PERCENT", "Sets the volume of the drill sound, 0 to 100.", when::hasSettings,
      setVolume},
     {"sound.mute", "Edit:2", "Mute drill sound", "Ctrl+M", "[on|off]", "Mutes or unmutes the drill sound.",

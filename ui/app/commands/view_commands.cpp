@@ -7,6 +7,7 @@
 #include "ui/app/base/command_words.h"
 #include "ui/app/commands/command_tables.h"
 #include "ui/app/commands/pointing.h"
+#include "ui/app/commands/zoom.h"
 #include "ui/app/document/document.h"
 #include "ui/app/document/view_state.h"
 #include "ui/app/settings/settings.h"
@@ -107,16 +108,6 @@ Expected<void> level(AppContext& c, AppWords) {
 
 bool isRolled(const AppContext& c) { return c.camera.roll != 0; }
 
-Expected<void> plots(AppContext& c, AppWords words) {
-  if (words.empty())
-    c.shows_plots = !c.shows_plots;
-  else if (words[0] == "on" || words[0] == "off")
-    c.shows_plots = words[0] == "on";
-  else
-    return wrongWord("\"" + words[0] + "\"", "on or off");
-  return {};
-}
-
 Expected<void> screenshot(AppContext& c, AppWords words) {
   KERF_TRY(path, pathOf(words));
   if (c.screenshot) return c.screenshot(path);
@@ -153,7 +144,8 @@ constexpr AppCommand kRows[] = {
     {"view.section-nearer", "View:3", "Move section nearer", "PageUp", "[MM]",
      "Moves the section back towards its original viewpoint (default 0.2 mm).", hasSection, sectionNearer},
     {"view.plots", "View:3", "Show plots of last 20 s", "", "[on|off]",
-     "Shows or hides plots of force, torque, spindle speed, depth and volume rate.", when::always, plots},
+     "Shows or hides plots of force, torque, spindle speed, depth and volume rate.", when::always,
+     switchPanel<"plots">},
     {"view.zoom", "", "", "", "FACTOR [X Y]", "Zooms by a factor, about the centre of the view or a pixel.",
      when::always, zoom},
     {"view.perspective", "View:5", "Perspective", "O", "[DEG|off]",

@@ -11,7 +11,7 @@
 #include "ui/window/gl/font.h"
 #include "ui/window/gl/gl_context.h"
 #include "ui/window/gl/glfw_error.h"
-#include "ui/window/gl/style.h"
+#include "ui/window/gl/theme.h"
 
 namespace kerf {
 namespace {

@@ -23,6 +23,7 @@
 #include "ui/app/commands/pointing.h"
 #include "ui/app/commands/quit.h"
 #include "ui/app/commands/view_commands.h"
+#include "ui/app/commands/zoom.h"
 #include "ui/app/controller/game_controller.h"
 #include "ui/app/document/document.h"
 #include "ui/app/document/file_history.h"
@@ -46,7 +47,8 @@
 #include "ui/window/gl/desktop.h"
 #include "ui/window/gl/gl_context.h"
 #include "ui/window/gl/key_names.h"
-#include "ui/window/gl/style.h"
+#include "ui/window/gl/theme.h"
+#include "ui/window/main/recent_pictures.h"
 #include "ui/window/panels/export_panel.h"
 #include "ui/window/panels/panels.h"
 #include "ui/window/screens/file_chooser.h"
@@ -80,8 +82,8 @@ class Workshop {
     KERF_TRY(view, LiveView::create());
     view_ = std::move(view);
     view_->setBeforeClear([this] {
-      takePicture();
-      box_ = {};
+      recent_picture_.take(*view_, bench_, camera_);
+      recent_picture_.forget();
     });
     KERF_TRY(import_view, ImportView::create());
     import_view_ = std::move(import_view);
@@ -147,7 +149,7 @@ class Workshop {
     printNotices();
     if (!bench_.document->scene().bounds().isEmpty() && view_->takeFitWanted()) fitFirst();
     if (bench_.document->isShown() && !bench_.document->scene().bounds().isEmpty())
-      box_ = bench_.document->scene().bounds();
+      recent_picture_.updateBox(*bench_.document);
     updateImport();
     updateSound();
     applySettings();
@@ -174,7 +176,7 @@ class Workshop {
     glfwSwapBuffers(desktop_.window());
 
     // Waits until all of the surface is on the graphics card and no hand is at work.
-    if (is_still && !view_->isUploading() && std::exchange(is_picture_due_, false)) takePicture();
+    if (is_still && !view_->isUploading() && recent_picture_.isDue()) recent_picture_.take(*view_, bench_, camera_);
     ++frames_;
     endIfAsked();
     wants_end_ |= options_.frames > 0 && frames_ >= options_.frames;
@@ -234,26 +236,7 @@ class Workshop {
     const auto camera = cameraFromView(options_.view);
     firstView(context_, camera ? *camera : Camera{});
     setTitle(bench_.document->name());
-    box_ = bench_.document->scene().bounds();
-    picture_of_ = bench_.document->source();
-    is_picture_due_ = true;
-  }
-
-  // A small picture of the document for the first screen: once after opening, and again when leaving.
-  void takePicture() {
-    if (picture_of_.empty() || box_.isEmpty()) return;
-    Camera camera = camera_;
-    fitToBox(camera, box_, kCardWidth, kCardHeight);
-    view_->hover({});
-    auto image = view_->picture(bench_, camera, kCardWidth, kCardHeight);
-    if (!image) return;  // a missing picture is no failure
-    writing_picture_ = std::make_unique<Job<void>>(
-        "a picture",
-        [image = std::move(*image), to = bench_.history->recent().pictureOf(picture_of_)](const Progress&) {
-          std::error_code ignored;
-          fs::create_directories(to.parent_path(), ignored);
-          return writePng(to, image);
-        });
+    recent_picture_.opened(*bench_.document);
   }
 
   // `what` is shown unchanged: a name, or translated words.
@@ -353,7 +336,7 @@ class Workshop {
 
   // For their panel, while it is shown.
   void showDevices(const std::optional<SpaceMouseState>& knob, const std::optional<GamepadState>& pad) {
-    if (!context_.shows_device) return;
+    if (!context_.panels["device"]) return;
     panels_.devices = {knob, space_mouse_link_.name(), space_mouse_link_.trouble(),   space_mouse_link_.battery(),
                        pad,  game_controller_.name(),  game_controller_.isJoystick(), game_controller_.canShake()};
   }
@@ -368,8 +351,8 @@ class Workshop {
     const bool is_enter = e.key == GLFW_KEY_ENTER || e.key == GLFW_KEY_KP_ENTER;
     if (is_enter || e.key == GLFW_KEY_ESCAPE)
       if (quitQuestionKey(context_, is_enter) || exportPanelKey(context_, is_enter)) return;
-    if (context_.shows_settings && e.key == GLFW_KEY_ESCAPE) {
-      context_.shows_settings = false;
+    if (context_.panels["settings"] && e.key == GLFW_KEY_ESCAPE) {
+      context_.panels["settings"] = false;
       return;
     }
     const bool is_alt = e.key == GLFW_KEY_LEFT_ALT || e.key == GLFW_KEY_RIGHT_ALT;
@@ -534,11 +517,8 @@ class Workshop {
   std::unique_ptr<LiveView> view_;
   std::unique_ptr<ImportView> import_view_;
   std::optional<Camera> camera_before_import_;
-  std::unique_ptr<Job<void>> writing_picture_;
+  RecentPicture recent_picture_;
   std::unique_ptr<SoundThread> sound_;
-  bool is_picture_due_ = false;
-  fs::path picture_of_;  // last shown document, and its box
-  Box3 box_;
   PanelState panels_;
   FileChooser files_;
   CommandPalette palette_;

@@ -10,13 +10,13 @@
 #include <utility>
 
 #include "geometry/base/text.h"
-#include "ui/app/settings/settings.h"
 #include "ui/app/commands/app_commands.h"
 #include "ui/app/commands/view_commands.h"
 #include "ui/app/document/document.h"
 #include "ui/app/document/jobs.h"
 #include "ui/app/document/view_state.h"
 #include "ui/app/script/app_script.h"
+#include "ui/app/settings/settings.h"
 #include "ui/app/workbench/replays.h"
 #include "ui/app/workbench/sessions.h"
 #include "ui/app/workbench/tools.h"
@@ -25,6 +25,7 @@
 #include "ui/window/gl/gl_context.h"
 #include "ui/window/gl/gl_target.h"
 #include "ui/window/gl/image.h"
+#include "ui/window/gl/picture_legend.h"
 #include "ui/window/main/workshop.h"
 #include "ui/window/screens/session_end.h"
 

@@ -10,7 +10,7 @@
 #include "ui/app/document/jobs.h"
 #include "ui/app/session/arm_lead.h"
 #include "ui/app/workbench/force_device.h"
-#include "ui/window/gl/style.h"
+#include "ui/window/gl/theme.h"
 #include "ui/window/gl/widgets.h"
 
 namespace kerf {
@@ -250,13 +250,13 @@ void drawPad(const DevicePanelState& state) {
 }  // namespace
 
 void drawDevicePanel(AppContext& context, const DevicePanelState& state) {
-  if (!context.shows_device) return;
+  if (!context.panels["device"]) return;
   const ImGuiIO& io = ImGui::GetIO();
   ImGui::SetNextWindowPos({io.DisplaySize.x - scaled(kPanelWidth) - 24, ImGui::GetFrameHeight() + 8},
                           ImGuiCond_Appearing, {1, 0});
   ImGui::SetNextWindowSize({scaled(kWidth), 0}, ImGuiCond_Always);
   ImGui::SetNextWindowBgAlpha(1);  // covers other panels
-  ui::begin("Devices", &context.shows_device, ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
+  ui::begin("Devices", &context.panels["device"], ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
   drawArm(context);
   drawKnob(state);
   drawPad(state);

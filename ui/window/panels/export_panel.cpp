@@ -11,7 +11,7 @@
 #include "ui/app/base/language.h"
 #include "ui/app/document/jobs.h"
 #include "ui/app/workbench/export_plan.h"
-#include "ui/window/gl/style.h"
+#include "ui/window/gl/theme.h"
 #include "ui/window/gl/widgets.h"
 
 namespace kerf {

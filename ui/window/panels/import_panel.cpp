@@ -11,12 +11,13 @@
 
 #include "ui/app/base/language.h"
 #include "ui/app/commands/pointing.h"
+#include "ui/app/commands/zoom.h"
 #include "ui/app/document/document.h"
 #include "ui/app/document/jobs.h"
 #include "ui/app/import/import_guides.h"
 #include "ui/app/import/import_set.h"
 #include "ui/app/workbench/imports.h"
-#include "ui/window/gl/style.h"
+#include "ui/window/gl/theme.h"
 #include "ui/window/gl/widgets.h"
 
 namespace kerf {

@@ -9,7 +9,7 @@
 #include "ui/app/base/language.h"
 #include "ui/app/commands/pointing.h"
 #include "ui/app/document/view_state.h"
-#include "ui/window/gl/style.h"
+#include "ui/window/gl/theme.h"
 #include "ui/window/gl/widgets.h"
 
 namespace kerf {

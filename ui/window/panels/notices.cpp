@@ -8,7 +8,7 @@
 #include "ui/app/document/document.h"
 #include "ui/app/document/jobs.h"
 #include "ui/app/workbench/imports.h"
-#include "ui/window/gl/style.h"
+#include "ui/window/gl/theme.h"
 #include "ui/window/gl/widgets.h"
 #include "ui/window/panels/import_panel.h"
 

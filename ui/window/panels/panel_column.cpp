@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "ui/window/gl/style.h"
+#include "ui/window/gl/theme.h"
 #include "ui/window/panels/timeline_panel.h"
 
 namespace kerf {

@@ -15,7 +15,7 @@
 #include "ui/app/workbench/scene_neighbours.h"
 #include "ui/app/workbench/scene_pieces.h"
 #include "ui/app/workbench/strokes.h"
-#include "ui/window/gl/style.h"
+#include "ui/window/gl/theme.h"
 #include "ui/window/gl/widgets.h"
 
 namespace kerf {

@@ -5,7 +5,7 @@
 
 #include "ui/app/base/language.h"
 #include "ui/app/workbench/tool_monitor.h"
-#include "ui/window/gl/style.h"
+#include "ui/window/gl/theme.h"
 #include "ui/window/gl/widgets.h"
 
 namespace kerf {
@@ -29,11 +29,9 @@ void drawPlot(const Trace& trace, const Trace::About& channel) {
 
 }  // namespace
 
-void drawPlots(AppContext& context) {
-  ImGui::SetNextItemOpen(context.shows_plots, ImGuiCond_Always);
-  context.shows_plots = ui::collapsingHeader("Last 20 s");
-  if (!context.shows_plots) return;
-  for (const Trace::About& channel : Trace::kChannels) drawPlot(context.bench.monitor->trace(), channel);
+void drawPlots(PanelFrame& frame) {
+  const Trace& trace = frame.context.bench.monitor->trace();
+  for (const Trace::About& channel : Trace::kChannels) drawPlot(trace, channel);
 }
 
 }  // namespace kerf

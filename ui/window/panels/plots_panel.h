@@ -1,11 +1,10 @@
-// Plots of the last 20 s, a folding part of the readings panel.
+// Plots of the last 20 s: force, torque, spindle, depth, removed volume.
 #pragma once
 
-#include "ui/app/commands/app_commands.h"
+#include "ui/window/panels/panel.h"
 
 namespace kerf {
 
-/// Draws within the panel's window.
-void drawPlots(AppContext& context);
+void drawPlots(PanelFrame& frame);
 
 }  // namespace kerf

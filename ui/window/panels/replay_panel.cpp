@@ -15,7 +15,7 @@
 #include "ui/app/workbench/sessions.h"
 #include "ui/app/workbench/tool_monitor.h"
 #include "ui/app/workbench/tools.h"
-#include "ui/window/gl/style.h"
+#include "ui/window/gl/theme.h"
 #include "ui/window/gl/widgets.h"
 #include "ui/window/panels/panel_column.h"
 #include "ui/window/panels/plots_panel.h"

@@ -12,7 +12,7 @@
 #include "ui/app/document/jobs.h"
 #include "ui/app/settings/settings.h"
 #include "ui/app/workbench/strokes.h"
-#include "ui/window/gl/style.h"
+#include "ui/window/gl/theme.h"
 #include "ui/window/gl/widgets.h"
 
 namespace kerf {
@@ -64,12 +64,12 @@ void drawLanguage(AppContext& context) {
 }  // namespace
 
 void drawSettings(AppContext& context) {
-  if (!context.shows_settings || !context.settings) return;
+  if (!context.panels["settings"] || !context.settings) return;
   Settings& values = context.settings->values;
   const ImGuiIO& io = ImGui::GetIO();
   ImGui::SetNextWindowPos({0.5f * io.DisplaySize.x, 0.45f * io.DisplaySize.y}, ImGuiCond_Always, {0.5f, 0.5f});
   ImGui::SetNextWindowSize({scaled(420), 0}, ImGuiCond_Always);
-  ui::begin("Settings", &context.shows_settings,
+  ui::begin("Settings", &context.panels["settings"],
             ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse);
   if (context.settings->error()) drawBrokenSettings(context);
   static const bool has_system_dialog = SystemDialog::program().has_value();  // avoids a search in each frame

@@ -5,7 +5,7 @@
 
 namespace kerf {
 
-/// Draws it while context.shows_settings. Changes apply at once and are saved when the user releases the mouse.
+/// Draws it while context.panels["settings"]. Changes apply at once and are saved when the user releases the mouse.
 void drawSettings(AppContext& context);
 
 }  // namespace kerf

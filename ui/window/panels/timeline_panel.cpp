@@ -13,7 +13,7 @@
 #include "ui/app/workbench/sawing.h"
 #include "ui/app/workbench/steps.h"
 #include "ui/app/workbench/tools.h"
-#include "ui/window/gl/style.h"
+#include "ui/window/gl/theme.h"
 #include "ui/window/gl/widgets.h"
 
 namespace kerf {

@@ -13,7 +13,7 @@
 #include "ui/app/document/jobs.h"
 #include "ui/app/document/view_state.h"
 #include "ui/app/view/tissue_display.h"
-#include "ui/window/gl/style.h"
+#include "ui/window/gl/theme.h"
 #include "ui/window/gl/widgets.h"
 
 namespace kerf {

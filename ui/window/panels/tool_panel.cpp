@@ -16,7 +16,7 @@
 #include "ui/app/settings/settings.h"
 #include "ui/app/workbench/strokes.h"
 #include "ui/app/workbench/tools.h"
-#include "ui/window/gl/style.h"
+#include "ui/window/gl/theme.h"
 #include "ui/window/gl/widgets.h"
 
 namespace kerf {

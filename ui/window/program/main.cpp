@@ -25,9 +25,7 @@
 #include "ui/app/view/camera.h"
 #include "ui/app/view/scene.h"
 #include "ui/app/view/upright.h"
-#include "ui/window/draw/mesh_picture.h"
-#include "ui/window/gl/gl_context.h"
-#include "ui/window/gl/image.h"
+#include "ui/window/main/screenshot.h"
 #include "ui/window/main/workshop.h"
 
 namespace {
@@ -173,37 +171,23 @@ kerf::Expected<void> cut(const Arguments& arguments, const Shown& shown) {
   return {};
 }
 
-// Draws a mesh, a case or a run as a picture.
-kerf::Expected<void> draw(const Arguments& arguments, const Shown& shown) {
-  KERF_TRY(scene, kerf::loadScene(arguments.scenes.front(), shown.cut, arguments.unit));
-  if (!scene.note.empty()) kerf::printText(stderr, "kerf-sim: note: {}\n", scene.note);
-  const int width = shown.width, height = shown.height;
-  kerf::Camera camera = shown.camera;
-  // The ground of a picture is fixed: this turns the mesh, not the camera.
-  const auto found = shown.up ? shown.up : kerf::surelyUp(arguments.scenes.front(), scene.mesh);
-  const Eigen::Matrix3d upright = found ? kerf::uprightFrame(*found) : Eigen::Matrix3d::Identity();
-  if (!upright.isIdentity() && !shown.up)
-    kerf::printText(stderr,
-                    "kerf-sim: note: shown with {} up, the occlusal side of the scan; --up +z shows it as stored\n",
-                    kerf::nameOfAxis(*found));
-  for (kerf::Vec3d& p : scene.mesh.vertices) p = upright * p;
-  kerf::fitTo(camera, scene.mesh, width, height);
-  if (shown.look_at) camera.target = upright * *shown.look_at;
-  kerf::zoomBy(camera, arguments.zoom);
-
-  KERF_TRY(context, kerf::OffscreenContext::create(!arguments.gpu));
-  if (arguments.verbose) kerf::printText(stderr, "kerf-sim: drawing with {}\n", context->description);
-  KERF_TRY(picture, kerf::MeshPicture::create());
-  picture->setMesh(scene.mesh);
-
-  kerf::PictureOptions options;
-  options.ground_shadow = !arguments.no_shadow;
-  options.transparent = arguments.transparent;
-  KERF_TRY(image, picture->picture(camera, width, height, options));
-  const double mm_per_pixel = camera.mmPerPixel(height);
-  if (arguments.with_grid) kerf::drawGrid(image, kerf::pictureGrid(camera, width, height, upright));
-  if (!arguments.no_scale_bar) kerf::drawScaleBar(image, kerf::scaleBarLength(mm_per_pixel, width), mm_per_pixel);
-  return kerf::writePng(arguments.screenshot, image);
+kerf::Expected<void> draw(const Arguments& a, const Shown& shown) {
+  return kerf::writeScreenshot({.file = a.screenshot,
+                                .scene = a.scenes.front(),
+                                .unit = a.unit,
+                                .camera = shown.camera,
+                                .width = shown.width,
+                                .height = shown.height,
+                                .zoom = a.zoom,
+                                .look_at = shown.look_at,
+                                .section = shown.cut,
+                                .up = shown.up,
+                                .has_shadow = !a.no_shadow,
+                                .is_transparent = a.transparent,
+                                .has_scale_bar = !a.no_scale_bar,
+                                .has_grid = a.with_grid,
+                                .uses_gpu = a.gpu,
+                                .tells = a.verbose});
 }
 
 }  // namespace

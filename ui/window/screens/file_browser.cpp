@@ -12,7 +12,7 @@
 #include "geometry/formats/mesh_formats.h"
 #include "sim/run/files/run_manifest.h"
 #include "ui/app/base/language.h"
-#include "ui/window/gl/style.h"
+#include "ui/window/gl/theme.h"
 #include "ui/window/gl/widgets.h"
 
 namespace kerf {

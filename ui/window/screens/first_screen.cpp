@@ -14,7 +14,7 @@
 #include "ui/app/workbench/imports.h"
 #include "ui/app/workbench/sessions.h"
 #include "ui/window/gl/image.h"
-#include "ui/window/gl/style.h"
+#include "ui/window/gl/theme.h"
 #include "ui/window/gl/widgets.h"
 
 namespace kerf {

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "ui/app/base/language.h"
-#include "ui/window/gl/style.h"
+#include "ui/window/gl/theme.h"
 #include "ui/window/gl/widgets.h"
 
 namespace kerf {

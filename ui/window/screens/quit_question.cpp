@@ -3,7 +3,7 @@
 #include <imgui.h>
 
 #include "ui/app/commands/quit.h"
-#include "ui/window/gl/style.h"
+#include "ui/window/gl/theme.h"
 #include "ui/window/gl/widgets.h"
 
 namespace kerf {

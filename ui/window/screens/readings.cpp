@@ -6,7 +6,7 @@
 #include "ui/app/base/language.h"
 #include "ui/app/document/document.h"
 #include "ui/app/view/heat_readings.h"
-#include "ui/window/gl/style.h"
+#include "ui/window/gl/theme.h"
 #include "ui/window/gl/widgets.h"
 
 namespace kerf {

@@ -1,4 +1,4 @@
-#include "ui/window/gl/style.h"
+#include "ui/window/gl/theme.h"
 
 #include <algorithm>
 #include <string>

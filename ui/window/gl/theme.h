@@ -1,4 +1,4 @@
-// Colours, sizes and fonts of the panels.
+// The light and the dark theme: colours, sizes and fonts of the panels.
 #pragma once
 
 #include <imgui.h>
