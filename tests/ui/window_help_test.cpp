@@ -29,7 +29,7 @@ TEST(WindowHelp, EachMenuHasASectionWithItsCommands) {
     bool is_in_its_menu = false;
     for (const HelpSection& section : pages[0].sections)
       for (const HelpEntry& entry : section.entries)
-        is_in_its_menu |= section.title == "Menu " + std::string(command.menu) && nameOf(entry) == command.id;
+        is_in_its_menu |= section.title == "Menu " + std::string(menuOf(command)) && nameOf(entry) == command.id;
     EXPECT_TRUE(is_in_its_menu) << command.id;
   }
 }

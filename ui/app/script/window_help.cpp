@@ -18,21 +18,21 @@ std::string_view topicOf(const AppCommand& command) { return command.id.substr(0
 std::vector<std::string_view> menus() {
   std::vector<std::string_view> out;
   for (const AppCommand& command : appCommands())
-    if (!command.menu.empty() && std::find(out.begin(), out.end(), command.menu) == out.end())
-      out.push_back(command.menu);
+    if (!command.menu.empty() && std::find(out.begin(), out.end(), kerf::menuOf(command)) == out.end())
+      out.push_back(kerf::menuOf(command));
   return out;
 }
 
 // The menu of a command. Of a command without one: the menu with most commands of its topic; empty if none.
 std::string_view menuOf(const AppCommand& command, const std::vector<std::string_view>& all) {
-  if (!command.menu.empty()) return command.menu;
+  if (!command.menu.empty()) return kerf::menuOf(command);
 
   std::string_view best;
   std::ptrdiff_t most = 0;
   for (const std::string_view menu : all) {
     const std::ptrdiff_t count = std::count_if(
         appCommands().begin(), appCommands().end(),
-        [&](const AppCommand& other) { return other.menu == menu && topicOf(other) == topicOf(command); });
+        [&](const AppCommand& other) { return kerf::menuOf(other) == menu && topicOf(other) == topicOf(command); });
     if (count <= most) continue;
     most = count;
     best = menu;
