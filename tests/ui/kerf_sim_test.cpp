@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "ui/app/view/tissue_display.h"
 #include "ui/window/gl/image.h"
 
 namespace kerf::kerf_sim_test {

@@ -82,4 +82,16 @@ Expected<void> runAppCommand(AppContext& context, std::string_view id, AppWords 
   return command->run(context, parameters);
 }
 
+void runIfEnabled(AppContext& context, std::string_view id, AppWords parameters) {
+  const AppCommand* const command = findAppCommand(id);
+  if (!command || !command->is_enabled(context)) return;
+  if (const auto done = command->run(context, parameters); !done) context.bench.notices->complain(done.error());
+}
+
+std::vector<std::string> wordsOf(std::initializer_list<double> numbers) {
+  std::vector<std::string> out;
+  for (const double number : numbers) out.push_back(fmt::format("{}", number));
+  return out;
+}
+
 }  // namespace kerf

@@ -6,6 +6,7 @@
 #include <array>
 #include <filesystem>
 #include <functional>
+#include <initializer_list>
 #include <map>
 #include <optional>
 #include <span>
@@ -76,5 +77,9 @@ const AppCommand* findAppCommand(std::string_view id);
 /// Runs a command if it is enabled. Errors: kNotFound for an unknown id, kUnsupported if it is disabled now,
 /// kBadValue for its parameters.
 Expected<void> runAppCommand(AppContext& context, std::string_view id, AppWords parameters = {});
+/// Runs a command if it is enabled. An error becomes a notice.
+void runIfEnabled(AppContext& context, std::string_view id, AppWords parameters = {});
+/// Numbers as parameters: they read back exactly.
+std::vector<std::string> wordsOf(std::initializer_list<double> numbers);
 
 }  // namespace kerf

@@ -55,7 +55,7 @@ Expected<void> look(AppContext& c, AppWords words) {
   if (words[1] != "show" && words[1] != "ghost" && words[1] != "hide")
     return wrongWord("\"" + words[1] + "\"", "show, ghost or hide");
   c.bench.pieces->hide(object->id, words[1] == "hide");
-  c.bench.neighbours->makeGhost(object->id, words[1] == "ghost");
+  if (words[1] != "hide") c.bench.neighbours->makeGhost(object->id, words[1] == "ghost");
   return {};
 }
 

@@ -58,6 +58,18 @@ Expected<void> pedal(AppContext& c, AppWords words) {
   return wrongWord("nothing to cut there", "a place on the object");
 }
 
+Expected<void> drill(AppContext& c, AppWords words) {
+  KERF_TRY(percent, numberOf(words, 0, "PERCENT", 0, 100));
+  c.bench.strokes->drill(0.01 * percent);
+  return {};
+}
+
+Expected<void> pushHarder(AppContext& c, AppWords words) {
+  KERF_TRY(factor, numberOf(words, 0, "FACTOR", 1, 10));
+  c.bench.strokes->pushHarder(factor);
+  return {};
+}
+
 Expected<void> reverse(AppContext& c, AppWords words) {
   if (words.empty()) return c.bench.strokes->setReversed(!c.bench.strokes->isReversed());
   if (words[0] != "on" && words[0] != "off") return wrongWord("\"" + words[0] + "\"", "on or off");
@@ -156,6 +168,9 @@ constexpr AppCommand kRows[] = {
      "Holds a stroke without the button: at a pixel, under the cursor or at the last cut. The key holds it while "
      "pressed.",
      when::isOpen, pedal},
+    {"cut.drill", "", "", "", "PERCENT",
+     "Sets the share of the spindle speed until the stroke ends, as a trigger does.", isCutting, drill},
+    {"cut.push-harder", "", "", "", "FACTOR", "Multiplies the push, 1 to 10; 1 ends it.", when::always, pushHarder},
     {"cut.speed", "", "", "", "PERCENT", "Sets the spindle speed in percent of the nominal speed.", when::always,
      setSpeed},
     {"cut.reverse", "Tool:2", "Reverse drive", "T", "[on|off]",

@@ -59,9 +59,9 @@ void GamepadHand::update(AppContext& context, StrokePointer& pointer, const std:
   if (!wish.tool_mm.isZero(0)) pointer.lead(context, wish.tool_mm);
   pedal_.update(context, pointer, wish.pedal);
 
-  if (wish.undoes) runIfItCan(context, "edit.undo");
-  if (wish.takes_previous) runIfItCan(context, "tool.previous");
-  if (wish.takes_next) runIfItCan(context, "tool.next");
+  if (wish.undoes) runIfEnabled(context, "edit.undo");
+  if (wish.takes_previous) runIfEnabled(context, "tool.previous");
+  if (wish.takes_next) runIfEnabled(context, "tool.next");
 }
 
 }  // namespace kerf

@@ -1,8 +1,8 @@
 #include "ui/app/hand/pedal_hold.h"
 
+#include <algorithm>
 #include <utility>
 
-#include "ui/app/document/jobs.h"
 #include "ui/app/workbench/strokes.h"
 
 namespace kerf {
@@ -15,18 +15,12 @@ void PedalHold::update(AppContext& context, StrokePointer& pointer, double pedal
   }
   if (pedal <= 0) {
     is_spent_ = false;
-    if (std::exchange(holds_, false)) bench.strokes->release();
+    if (std::exchange(holds_, false)) runIfEnabled(context, "cut.release");
     return;
   }
 
   if (!holds_ && !is_spent_ && !bench.strokes->isPressed()) holds_ = pointer.pressThere(context);
-  if (holds_) bench.strokes->drill(pedal);
-}
-
-void runIfItCan(AppContext& context, std::string_view id) {
-  const AppCommand* const command = findAppCommand(id);
-  if (!command->is_enabled(context)) return;
-  if (const auto done = command->run(context, {}); !done) context.bench.notices->complain(done.error());
+  if (holds_) runIfEnabled(context, "cut.drill", wordsOf({100 * std::min(pedal, 1.0)}));
 }
 
 }  // namespace kerf

@@ -1,8 +1,6 @@
 // A trigger or a knob as the foot pedal: begins, leads and ends a stroke.
 #pragma once
 
-#include <string_view>
-
 #include "ui/app/hand/stroke_pointer.h"
 
 namespace kerf {
@@ -18,8 +16,5 @@ class PedalHold {
   bool holds_ = false;
   bool is_spent_ = false;
 };
-
-/// As runAppCommand(), for a button: does nothing if the command is unavailable now. Its errors are notices.
-void runIfItCan(AppContext& context, std::string_view id);
 
 }  // namespace kerf

@@ -72,8 +72,8 @@ void SpaceMouseHand::update(AppContext& context, StrokePointer& pointer, const S
   if (!wish.tool_mm.isZero(0)) pointer.lead(context, wish.tool_mm);
   pedal_.update(context, pointer, wish.pedal);
 
-  if (wish.undoes) runIfItCan(context, "edit.undo");
-  if (wish.changes) runIfItCan(context, "device.leads");
+  if (wish.undoes) runIfEnabled(context, "edit.undo");
+  if (wish.changes) runIfEnabled(context, "device.leads");
 }
 
 }  // namespace kerf

@@ -16,8 +16,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "ui/app/settings/settings.h"
 #include "ui/app/hand/pedal_hold.h"
+#include "ui/app/settings/settings.h"
 
 namespace kerf {
 

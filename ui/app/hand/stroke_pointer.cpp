@@ -1,5 +1,8 @@
 #include "ui/app/hand/stroke_pointer.h"
 
+#include <algorithm>
+#include <initializer_list>
+#include <numbers>
 #include <utility>
 
 #include "ui/app/commands/pointing.h"
@@ -8,8 +11,11 @@
 namespace kerf {
 namespace {
 
-Ray rayAt(const AppContext& context, const Pixel& at) {
-  return rayUnder(context.camera, at[0], at[1], context.width, context.height);
+constexpr double kPointerDegree = std::numbers::pi / 180;
+
+// A place beside the object is no error.
+bool runs(AppContext& context, const char* command, std::initializer_list<double> numbers) {
+  return runAppCommand(context, command, wordsOf(numbers)).has_value();
 }
 
 }  // namespace
@@ -18,16 +24,22 @@ void StrokePointer::move(AppContext& context, const Pixel& cursor, const HeldKey
   const Pixel moved = cursor - std::exchange(cursor_, cursor);
   Workbench& bench = context.bench;
   const bool leads = bench.strokes->isPressed() && !bench.strokes->isOnPedal();
-  if (leads && held.ctrl) return bench.strokes->moveAlong(kAlongAPixel * moved[1]);
+  if (leads && held.ctrl) {
+    runs(context, "cut.nudge", {0, 0, kAlongAPixel * moved[1]});
+    return;
+  }
   if (leads) {
     at_ += moved;
-    return bench.strokes->drag(rayAt(context, at_));
+    runs(context, "cut.drag", {at_[0], at_[1]});
+    return;
   }
   if (!held.alt || bench.strokes->isPressed()) {
     at_ = cursor;
     return;
   }
-  bench.strokes->tilt = tiltedBy(bench.strokes->tilt, context.camera, moved[0], moved[1]);
+  const Tilt tilt = tiltedBy(bench.strokes->tilt, context.camera, moved[0], moved[1]);
+  runs(context, "tool.tilt",
+       {std::min(tilt.angle, Tilt::kMost) / kPointerDegree, azimuthInView(context.camera, tilt) / kPointerDegree});
   tapped_.reset();
 }
 
@@ -37,7 +49,7 @@ bool StrokePointer::press(AppContext& context, const Pixel& cursor) {
 }
 
 void StrokePointer::release(AppContext& context) {
-  if (!context.bench.strokes->isOnPedal()) context.bench.strokes->release();
+  if (!context.bench.strokes->isOnPedal()) runs(context, "cut.release", {});
 }
 
 void StrokePointer::nudge(AppContext& context, const Vec3d& direction, const HeldKeys& held) {
@@ -46,21 +58,20 @@ void StrokePointer::nudge(AppContext& context, const Vec3d& direction, const Hel
   const double step = held.ctrl ? 0.01 : held.shift ? 1 : 0.1;
   const Vec3d mm = step * direction;
 
-  if (mm[2] != 0) return bench.strokes->moveAlong(mm[2]);
-  bench.strokes->nudge(context.camera, mm[0], mm[1]);
-  viewHasTurned(context);
+  runs(context, "cut.nudge", {mm[0], mm[1], mm[2]});
+  if (mm[2] == 0) viewHasTurned(context);
 }
 
 void StrokePointer::lead(AppContext& context, const Eigen::Vector2d& mm) {
   if (context.bench.strokes->isPressed()) {
-    context.bench.strokes->nudge(context.camera, mm[0], mm[1]);
+    runs(context, "cut.nudge", {mm[0], mm[1], 0});
     return viewHasTurned(context);
   }
   at_ += Pixel(mm[0], -mm[1]) / context.camera.mmPerPixel(context.height);
   at_ = at_.cwiseMax(Pixel::Zero()).cwiseMin(Pixel(context.width, context.height));
 }
 
-bool StrokePointer::pressThere(AppContext& context) { return context.bench.strokes->press(rayAt(context, at_)); }
+bool StrokePointer::pressThere(AppContext& context) { return runs(context, "cut.press", {at_[0], at_[1]}); }
 
 void StrokePointer::viewHasTurned(const AppContext& context) {
   const Workbench& bench = context.bench;
@@ -72,7 +83,7 @@ void StrokePointer::viewHasTurned(const AppContext& context) {
 void StrokePointer::tapAlt(AppContext& context, double now) {
   const bool is_second = tapped_ && now - *tapped_ <= kDoubleTap;
   tapped_ = is_second ? std::nullopt : std::optional(now);
-  if (is_second) context.bench.strokes->tilt = {};
+  if (is_second) runs(context, "tool.tilt-reset", {});
 }
 
 }  // namespace kerf

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "geometry/tool/tool.h"
 #include "ui/app/workbench/workbench.h"
 
 namespace kerf {

@@ -7,7 +7,7 @@
 namespace kerf {
 namespace {
 
-constexpr double kFar = 400;   // mm: reach of a ray
+constexpr double kOut = 6;     // mm: greatest depth of cuts below the original surface
 constexpr double kWide = 0.6;  // mm: least radius of the surface under a thin tool
 
 Vec3d gradientOf(const BrickField& field, const Vec3d& p) {
@@ -39,7 +39,6 @@ Vec3d meanNormal(const BrickField& loaded, const Vec3d& point, double radius, co
 }  // namespace
 
 Vec3d onOriginal(const BrickField& loaded, const Vec3d& point, const Vec3d& axis) {
-  constexpr double kOut = 6;  // mm: greatest depth of cuts below the original surface
   const Ray down{point + kOut * axis, -axis};
   const auto way = entry(loaded, down, 0, 2 * kOut);
   return way ? down.at(*way) : point;

@@ -4,8 +4,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/hand/guided_hand.h"
 #include "ui/app/base/language.h"
 #include "ui/app/document/document.h"
+#include "ui/app/saw/saw_section.h"
 #include "ui/app/workbench/steps.h"
 #include "ui/app/workbench/strokes.h"
 #include "ui/app/workbench/tools.h"
@@ -58,6 +60,23 @@ double firstTissue(const SawPlane& plane, const SawBlade& blade, const BrickFiel
 }
 
 }  // namespace
+
+struct Sawing::Cutting {
+  GuidedCut order;
+  SawnSection section;
+  SawPlane plane;
+  Vec3d front;                           // of the blade, tool frame
+  double kerf = 0;                       // mm
+  double removed_before = 0;             // mm^3
+  Rigid3 last;                           // of the tool
+  double aside = 0;                      // greatest distance of the blade from its plane, mm
+  std::uint64_t began = 0, cleared = 0;  // ticks
+  bool is_begun = false, is_undone_after = false;
+};
+
+Sawing::Sawing(Workbench& bench) : bench_(bench) {}
+
+Sawing::~Sawing() = default;
 
 // ---- Planes
 
@@ -315,15 +334,15 @@ Expected<void> Sawing::cut(double force_n) {
     return refuse(Error::Code::kUnsupported, "the 1 kHz thread is busy", "a free place in its queue", "try again");
   }
   const HapticReport& now = bench_.document->report();
-  cutting_.emplace(Cutting{.order = order,
-                           .section = SawnSection(plane, bone, tool, *blade),
-                           .plane = plane,
-                           .front = blade->front,
-                           .kerf = blade->kerf,
-                           .removed_before = bench_.document->removedMm3(),
-                           .last = start,
-                           .began = now.tick,
-                           .cleared = now.tick});
+  cutting_ = std::make_unique<Cutting>(Cutting{.order = order,
+                                               .section = SawnSection(plane, bone, tool, *blade),
+                                               .plane = plane,
+                                               .front = blade->front,
+                                               .kerf = blade->kerf,
+                                               .removed_before = bench_.document->removedMm3(),
+                                               .last = start,
+                                               .began = now.tick,
+                                               .cleared = now.tick});
   bench_.steps->beginPlannedCut(plane.name);
   last_share_ = 0;
   return {};

@@ -6,15 +6,14 @@
 #include <array>
 #include <chrono>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 
 #include "geometry/tool/saw_blade.h"
-#include "sim/hand/guided_hand.h"
 #include "ui/app/document/part.h"
 #include "ui/app/saw/saw_clearance.h"
 #include "ui/app/saw/saw_plan.h"
-#include "ui/app/saw/saw_section.h"
 #include "ui/app/tool/stroke.h"
 #include "ui/app/view/live_surface.h"
 #include "ui/app/workbench/saw_picking.h"
@@ -22,6 +21,8 @@
 namespace kerf {
 
 class Workbench;
+struct FitOptions;
+struct GuidedReport;
 
 /// File of a session's plan, beside the run's manifest.
 inline constexpr const char* kSawPlanFile = "saw-plan.toml";
@@ -44,7 +45,8 @@ class Sawing final : public Part {
   static constexpr double kUsualForce = 5;                    ///< N: usual for saws in bone are 2 to 8
   static constexpr double kFeed = 1;                          ///< mm/s in bone: 60 mm/min, the fastest advised
 
-  explicit Sawing(Workbench& bench) : bench_(bench) {}
+  explicit Sawing(Workbench& bench);
+  ~Sawing() override;
 
   double force = kUsualForce;  ///< N, of a planned cut
   SawPicking picking;          ///< points picked by the user
@@ -92,7 +94,7 @@ class Sawing final : public Part {
   void stop();
   /// As stop(), and undoes the cut once the blade is out.
   void stopAndUndo();
-  bool isCutting() const { return cutting_.has_value(); }
+  bool isCutting() const { return cutting_ != nullptr; }
   /// As isCutting(), and says so in a notice.
   bool isBusy();
   std::optional<SawingStatus> status() const;
@@ -116,18 +118,7 @@ class Sawing final : public Part {
   void closing() override;            ///< writes the plan to the session's folder
 
  private:
-  struct Cutting {
-    GuidedCut order;
-    SawnSection section;
-    SawPlane plane;
-    Vec3d front;                           // of the blade, tool frame
-    double kerf = 0;                       // mm
-    double removed_before = 0;             // mm^3
-    Rigid3 last;                           // of the tool
-    double aside = 0;                      // greatest distance of the blade from its plane, mm
-    std::uint64_t began = 0, cleared = 0;  // ticks
-    bool is_begun = false, is_undone_after = false;
-  };
+  struct Cutting;
   Expected<void> addFitted(SawPlane plane, FitOptions options);
   Expected<SawPlane> chosen() const;
   Expected<void> requireOpen() const;
@@ -143,7 +134,7 @@ class Sawing final : public Part {
 
   Workbench& bench_;
   SawPlan plan_;
-  std::optional<Cutting> cutting_;
+  std::unique_ptr<Cutting> cutting_;
   std::uint64_t cuts_ = 0;
   double last_share_ = 0;
   std::uint64_t saved_ = 0, seen_ = 0;  // versions of the plan

@@ -382,7 +382,16 @@ class Workshop {
 
   // The foot pedal ends with its key.
   void keyUp(int key) {
-    if (key == GLFW_KEY_SPACE && bench_.strokes->isOnPedal()) bench_.strokes->release();
+    if (key == GLFW_KEY_SPACE && bench_.strokes->isOnPedal())
+      runIfEnabled(context_, "cut.pedal", std::vector<std::string>{"off"});
+  }
+
+  // At the pointer, or over a panel where the last stroke was. A place beside the object is no error.
+  void stepOnPedal() {
+    std::vector<std::string> words{"on"};
+    if (context_.pointer)
+      for (std::string& word : wordsOf({stroke_.at()[0], stroke_.at()[1]})) words.push_back(std::move(word));
+    (void)runAppCommand(context_, "cut.pedal", words);
   }
 
   // Keys that hold a stroke or nudge it.
@@ -392,9 +401,7 @@ class Workshop {
       return true;
     }
     if (e.key == GLFW_KEY_SPACE && e.modifiers == 0) {
-      const bool is_over_picture = context_.pointer.has_value();
-      if (!e.is_repeated && bench_.document->isOpen() && !bench_.imports->isImporting())
-        bench_.strokes->stepOnPedal(is_over_picture ? std::optional(rayAtPixel(stroke_.at())) : std::nullopt);
+      if (!e.is_repeated && bench_.document->isOpen() && !bench_.imports->isImporting()) stepOnPedal();
       return true;
     }
     if (!bench_.strokes->isPressed()) return false;
@@ -491,7 +498,9 @@ class Workshop {
   }
 
   void scroll(double notches) {
-    if (bench_.strokes->isPressed()) return bench_.strokes->deepen(-kNotch * notches);
+    if (bench_.strokes->isPressed())
+      return runIfEnabled(context_, notches < 0 ? "cut.deeper" : "cut.shallower",
+                          wordsOf({std::min(kNotch * std::abs(notches), bench_.strokes->mostDepth())}));
     zoomAt(context_, pointer()[0], pointer()[1], std::pow(1.15, notches));
   }
 
@@ -499,7 +508,7 @@ class Workshop {
     const bool is_harder = is_wanted && bench_.strokes->isPressed();
     if (is_harder == is_harder_) return;
     is_harder_ = is_harder;
-    bench_.strokes->pushHarder(is_harder ? kHarder : 1);
+    runIfEnabled(context_, "cut.push-harder", wordsOf({is_harder ? kHarder : 1}));
   }
 
   // ---- Files

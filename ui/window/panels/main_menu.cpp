@@ -6,20 +6,10 @@
 #include <string>
 
 #include "ui/app/base/language.h"
-#include "ui/app/document/jobs.h"
 #include "ui/window/gl/theme.h"
 #include "ui/window/gl/widgets.h"
 
 namespace kerf {
-namespace {
-
-void runOrSay(AppContext& context, const AppCommand& command) {
-  if (!command.is_enabled(context)) return;
-  if (const auto done = command.run(context, {}); !done) context.bench.notices->complain(done.error());
-}
-
-}  // namespace
-
 void drawMainMenu(AppContext& context, const std::function<void(const AppCommand&)>& ask_for_file) {
   if (!ImGui::BeginMainMenuBar()) return;
   for (const char* const heading : {"File", "Edit", "Tool", "Piece", "Saw", "Device", "Replay", "View"}) {
@@ -28,7 +18,7 @@ void drawMainMenu(AppContext& context, const std::function<void(const AppCommand
       const AppCommand& command = *row;
       const std::string label = fmt::format("{}###{}", command.label, command.id);
       if (!ui::menuItem(label, ui::asItIs(shownKey(command.key)), command.is_enabled(context))) continue;
-      asksForFile(command) ? ask_for_file(command) : runOrSay(context, command);
+      asksForFile(command) ? ask_for_file(command) : runIfEnabled(context, command.id);
     }
     ImGui::EndMenu();
   }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <string>
 
+#include "ui/app/base/language.h"
 #include "ui/app/document/document.h"
 #include "ui/app/document/jobs.h"
 #include "ui/app/settings/settings.h"
@@ -78,10 +79,12 @@ constexpr Panel kPanels[] = {
     {"menu", "", Screen::kAny, kOwn, [](PanelFrame& f) { drawMainMenu(f.context, f.state.ask_for_file); }},
     {"first", "", Screen::kFirst, kOwn, [](PanelFrame& f) { f.state.first.draw(f.context, f.state.ask_for_file); }},
     {"import", "", Screen::kImport, kOwn, [](PanelFrame& f) { drawImportPanel(f.context, f.state.import); }},
-    {"replay", "", Screen::kReplay, kOwn, [](PanelFrame& f) { drawReplay(f.context); }},
+    {"replay", "Replay", Screen::kReplay, PanelPlace::kColumn, drawReplayMoment},
+    {"replay-tissues", "", Screen::kReplay, kOwn, [](PanelFrame& f) { drawTissues(f.context, f.column); }},
+    {"replay-strip", "", Screen::kReplay, kOwn, [](PanelFrame& f) { drawReplayStrip(f.context); }},
     {"tools", "", Screen::kCut, kOwn, [](PanelFrame& f) { drawTools(f.context, f.state.tools); }},
     {"readings", "Cut", Screen::kCut, PanelPlace::kColumn, drawReadings},
-    {"plots", "Last 20 s", Screen::kCut, PanelPlace::kReadings, drawPlots},
+    {"plots", "Last 20 s", Screen::kAny, PanelPlace::kReadings, drawPlots},
     {"pieces", "", Screen::kCut, kOwn,
      [](PanelFrame& f) { drawPieces(f.context, f.state.piece_drag, f.column, f.state.pixels); }},
     {"tissues", "", Screen::kCut, kOwn, [](PanelFrame& f) { drawTissues(f.context, f.column); }},

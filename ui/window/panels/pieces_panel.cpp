@@ -58,7 +58,7 @@ void drawGizmo(const PieceGizmo& gizmo, std::optional<GizmoHandle> lit, double p
 
 // ---- The list
 
-void drawMove(Workbench& bench, const SceneObject& piece) {
+void drawMove(AppContext& context, const SceneObject& piece) {
   Rigid3 pose = piece.pose();
   std::array<float, 3> mm{};
   for (int axis = 0; axis < 3; ++axis) mm[static_cast<std::size_t>(axis)] = static_cast<float>(pose.translation[axis]);
@@ -69,11 +69,11 @@ void drawMove(Workbench& bench, const SceneObject& piece) {
   if (is_changed) {
     for (int axis = 0; axis < 3; ++axis)
       pose.translation[axis] = static_cast<double>(mm[static_cast<std::size_t>(axis)]);
-    bench.pieces->move(piece.id, pose);
+    context.bench.pieces->move(piece.id, pose);
   }
   const double degrees = 2 * std::acos(std::clamp(std::abs(pose.rotation.w()), 0.0, 1.0)) * 180 / std::numbers::pi;
   ui::text(phrase("Turned by {:.1f} degrees", degrees));
-  if (ui::button("Put back", {-1, 0})) bench.pieces->move(piece.id, {});
+  if (ui::button("Put back", {-1, 0})) runIfEnabled(context, "piece.put-back", std::vector<std::string>{piece.name});
 }
 
 // Below its name and volume. The first piece also counts the volume removed before the split.
@@ -144,10 +144,10 @@ void drawList(AppContext& context, PanelColumn& column) {
     chosen->name.copy(name.data(), name.size() - 1);
     ImGui::PushItemWidth(-1);
     if (ui::inputText("##name", name.data(), name.size(), ImGuiInputTextFlags_EnterReturnsTrue))
-      bench.pieces->rename(chosen->id, name.data());
+      runIfEnabled(context, "piece.rename", std::vector<std::string>{name.data()});
     ImGui::PopItemWidth();
     drawColours(context, *chosen);
-    drawMove(bench, *chosen);
+    drawMove(context, *chosen);
   } else {
     ui::textDisabled("Click a piece to move or name it");
   }
@@ -155,18 +155,23 @@ void drawList(AppContext& context, PanelColumn& column) {
   ImGui::End();
 }
 
+void look(AppContext& context, const SceneObject& neighbour, const char* how) {
+  runIfEnabled(context, "neighbour.look", std::vector<std::string>{neighbour.name, how});
+}
+
 // The neighbours.
-void drawBeside(Workbench& bench, PanelColumn& column) {
+void drawBeside(AppContext& context, PanelColumn& column) {
+  const Workbench& bench = context.bench;
   column.place();
   ui::begin("Neighbours", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
   for (const SceneObject* object : bench.document->scene().shown()) {
     if (!object->isBeside()) continue;
     ImGui::PushID(static_cast<int>(object->id));
     bool is_shown = !object->is_hidden, is_ghost = object->is_ghost;
-    if (ui::checkbox("##shown", &is_shown)) bench.pieces->hide(object->id, !is_shown);
+    if (ui::checkbox("##shown", &is_shown)) look(context, *object, is_shown ? is_ghost ? "ghost" : "show" : "hide");
     if (ImGui::IsItemHovered()) ui::setTooltip("Show or hide; the tool still touches it");
     ImGui::SameLine();
-    if (ui::checkbox("##ghost", &is_ghost)) bench.neighbours->makeGhost(object->id, is_ghost);
+    if (ui::checkbox("##ghost", &is_ghost)) look(context, *object, is_ghost ? "ghost" : "show");
     if (ImGui::IsItemHovered()) ui::setTooltip("Ghost: translucent and not clickable");
     ImGui::SameLine();
     ui::text(ui::asItIs(object->name));
@@ -174,7 +179,7 @@ void drawBeside(Workbench& bench, PanelColumn& column) {
   }
   bool stops = bench.strokes->stop_short_beside_mm.has_value();
   if (ui::checkbox("Stop short of neighbours", &stops))
-    bench.strokes->stopShortBeside(stops ? std::optional(Strokes::kUsualShortBeside) : std::nullopt);
+    runIfEnabled(context, "cut.spare-neighbours", stops ? std::vector<std::string>{} : std::vector<std::string>{"off"});
   column.take();
   ImGui::End();
 }
@@ -220,7 +225,7 @@ void PieceDrag::hover(const AppContext& context, const Pixel& at) {
 void drawPieces(AppContext& context, const PieceDrag& drag, PanelColumn& column, double pixels) {
   const auto shown = context.bench.document->scene().shown();
   const bool is_moved = std::any_of(shown.begin(), shown.end(), [](const auto* piece) { return piece->isMoved(); });
-  if (context.bench.document->scene().pieceCount() < shown.size()) drawBeside(context.bench, column);
+  if (context.bench.document->scene().pieceCount() < shown.size()) drawBeside(context, column);
   if (context.bench.document->scene().pieceCount() < 2 && !is_moved) return;
   drawList(context, column);
   if (const auto gizmo = gizmoOf(context)) drawGizmo(*gizmo, drag.lit(), pixels);

@@ -91,6 +91,11 @@ void drawSection(PanelFrame& frame, const Panel& panel) {
 
 }  // namespace
 
+void drawSections(PanelFrame& frame) {
+  for (const Panel& panel : panelRows())
+    if (panel.place == PanelPlace::kReadings) drawSection(frame, panel);
+}
+
 void drawReadings(PanelFrame& frame) {
   AppContext& context = frame.context;
   const auto& over = frame.over;
@@ -110,8 +115,7 @@ void drawReadings(PanelFrame& frame) {
   drawHeat(bench);
   reading("Removed", fmt::format("{:.2f}", bench.document->removedMm3()), "mm3");
   drawPoint(context, over.has_value());
-  for (const Panel& panel : panelRows())
-    if (panel.place == PanelPlace::kReadings) drawSection(frame, panel);
+  drawSections(frame);
   ImGui::Separator();
   drawLoop(bench);
   if (r.is_latched)

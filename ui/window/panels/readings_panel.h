@@ -7,5 +7,7 @@
 namespace kerf {
 
 void drawReadings(PanelFrame& frame);
+/// The rows of the panel table with PanelPlace::kReadings. Draws within the window of a panel.
+void drawSections(PanelFrame& frame);
 
 }  // namespace kerf

@@ -18,8 +18,7 @@
 #include "ui/window/gl/theme.h"
 #include "ui/window/gl/widgets.h"
 #include "ui/window/panels/panel_column.h"
-#include "ui/window/panels/plots_panel.h"
-#include "ui/window/panels/tissues_panel.h"
+#include "ui/window/panels/readings_panel.h"
 #include "ui/window/screens/readings.h"
 
 namespace kerf {
@@ -124,7 +123,9 @@ void drawBar(AppContext& context) {
   drawSteps(run, corner, width, height);
 }
 
-void drawStrip(AppContext& context) {
+}  // namespace
+
+void drawReplayStrip(AppContext& context) {
   const WatchedRun& run = *context.bench.document->watched();
   const WatchMoment& now = run.moment();
   const ImGuiIO& io = ImGui::GetIO();
@@ -153,29 +154,16 @@ void drawStrip(AppContext& context) {
   ImGui::End();
 }
 
-void drawMoment(AppContext& context, PanelColumn& column) {
-  const Workbench& bench = context.bench;
+void drawReplayMoment(PanelFrame& frame) {
+  const Workbench& bench = frame.context.bench;
   const HapticReport& report = bench.document->report();
-  column.place();
-  ui::begin("Replay", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
   reading("Tool", bench.tools->at(bench.tools->inHand()).id, "");
   reading("Force", fmt::format("{:.2f}", report.output.force.force.norm()), "N");
   reading("Spindle", fmt::format("{:.0f}", 100 * bench.monitor->driveShare()), "%");
   drawHeat(bench);
   reading("Removed", fmt::format("{:.2f}", bench.document->removedMm3()), "mm3");
   reading("Pieces", fmt::format("{}", report.object_count), "");
-  drawPlots(context);
-  column.take();
-  ImGui::End();
-}
-
-}  // namespace
-
-void drawReplay(AppContext& context) {
-  PanelColumn column(context);
-  drawMoment(context, column);
-  drawTissues(context, column);
-  drawStrip(context);
+  drawSections(frame);
 }
 
 void drawRunQuestion(AppContext& context) {

@@ -2,11 +2,14 @@
 // opened run: continue it, or watch it.
 #pragma once
 
-#include "ui/app/commands/app_commands.h"
+#include "ui/window/panels/panel.h"
 
 namespace kerf {
 
-void drawReplay(AppContext& context);
+/// Force and removed volume of the shown moment.
+void drawReplayMoment(PanelFrame& frame);
+/// The scrub bar.
+void drawReplayStrip(AppContext& context);
 /// Draws nothing unless the user has opened a run.
 void drawRunQuestion(AppContext& context);
 

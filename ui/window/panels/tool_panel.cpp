@@ -177,32 +177,34 @@ std::optional<std::size_t> drawRack(AppContext& context, ToolPanelState& state) 
 }
 
 // Shown if there are structures to keep.
-void drawStopShort(Workbench& bench) {
+void drawStopShort(AppContext& context) {
+  const Workbench& bench = context.bench;
   if (bench.document->structures()->isEmpty()) return;
   bool is_on = bench.strokes->stop_short_mm.has_value();
   std::string names;
   for (const Structures::Structure& s : bench.document->structures()->all())
     names += (names.empty() ? "" : ", ") + shownText(bench.document->nameOf(s.material));
   if (ui::checkbox(phrase("Stop short of {}", names) + "###short", &is_on))
-    bench.strokes->stopShort(is_on ? std::optional(Strokes::kUsualShort) : std::nullopt);
+    runIfEnabled(context, "cut.stop-short", is_on ? std::vector<std::string>{} : std::vector<std::string>{"off"});
   if (!is_on) return;
   auto short_of = static_cast<float>(*bench.strokes->stop_short_mm);
   if (ui::sliderFloat("##short_of", &short_of, 0, 2, "%.1f mm", ImGuiSliderFlags_AlwaysClamp))
-    bench.strokes->stopShort(0.1 * std::round(10 * static_cast<double>(short_of)));
+    runIfEnabled(context, "cut.stop-short", wordsOf({0.1 * std::round(10 * static_cast<double>(short_of))}));
 }
 
 // Tilt of the tool; shown while it leans.
 void drawTilt(AppContext& context) {
-  Tilt& tilt = context.bench.strokes->tilt;
+  const Tilt& tilt = context.bench.strokes->tilt;
   if (tilt.isUpright()) return;
   constexpr double kDegree = std::numbers::pi / 180;
   ui::text(phrase("Tilt {:.0f} deg, towards {:.0f} deg", tilt.angle / kDegree,
                   azimuthInView(context.camera, tilt) / kDegree));
   ImGui::SameLine();
-  if (ui::smallButton("Reset")) tilt = {};
+  if (ui::smallButton("Reset")) runIfEnabled(context, "tool.tilt-reset");
 }
 
-void drawToolHand(Workbench& bench) {
+void drawToolHand(AppContext& context) {
+  const Workbench& bench = context.bench;
   ImGui::PushItemWidth(-1);
   float force = static_cast<float>(bench.strokes->force), depth = static_cast<float>(bench.strokes->depth_mm);
   float speed = static_cast<float>(100 * bench.strokes->speed);
@@ -210,39 +212,36 @@ void drawToolHand(Workbench& bench) {
   ui::text("Push");
   if (ui::sliderFloat("##force", &force, static_cast<float>(Strokes::kLeastForce), 5, "%.1f N",
                       ImGuiSliderFlags_AlwaysClamp))
-    bench.strokes->setForce(static_cast<double>(force));
+    runIfEnabled(context, "cut.force", wordsOf({static_cast<double>(force)}));
   ui::text("Depth below the surface");
   if (ui::sliderFloat("##depth", &depth, 0, static_cast<float>(bench.strokes->mostDepth()), "%.2f mm",
                       ImGuiSliderFlags_AlwaysClamp))
-    bench.strokes->deepen(static_cast<double>(depth) - bench.strokes->depth_mm);
-  drawStopShort(bench);
+    runIfEnabled(context, "cut.depth", wordsOf({std::min(static_cast<double>(depth), bench.strokes->mostDepth())}));
+  drawStopShort(context);
   ui::text("Spindle speed");
   if (ui::sliderFloat("##speed", &speed, 0, 100, "%.0f %%", ImGuiSliderFlags_AlwaysClamp))
-    bench.strokes->setSpeed(0.01 * static_cast<double>(speed));
+    runIfEnabled(context, "cut.speed", wordsOf({static_cast<double>(speed)}));
   bool is_reversed = bench.strokes->isReversed();
-  if (bench.strokes->canReverse() && ui::checkbox("Reverse drive", &is_reversed)) {
-    if (const auto turned = bench.strokes->setReversed(is_reversed); !turned)
-      bench.notices->say(turned.error().message());
-  }
+  if (bench.strokes->canReverse() && ui::checkbox("Reverse drive", &is_reversed))
+    runIfEnabled(context, "cut.reverse", std::vector<std::string>{is_reversed ? "on" : "off"});
   ui::text("Irrigation");
   if (ui::sliderFloat("##spray", &spray, 0, 100, "%.0f %%", ImGuiSliderFlags_AlwaysClamp))
-    bench.strokes->setIrrigation(0.01 * static_cast<double>(spray));
+    runIfEnabled(context, "cut.irrigation", wordsOf({static_cast<double>(spray)}));
   ImGui::PopItemWidth();
 }
 
 }  // namespace
 
 void drawTools(AppContext& context, ToolPanelState& state) {
-  Workbench& bench = context.bench;
   ImGui::SetNextWindowPos({8, ImGui::GetFrameHeight() + 8}, ImGuiCond_Always);
   ImGui::SetNextWindowSize({scaled(kPanelWidth), 0}, ImGuiCond_Always);
   ui::begin("Tool", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
   const std::optional<std::size_t> clicked = drawRack(context, state);
   ImGui::Separator();
   drawTilt(context);
-  drawToolHand(bench);
+  drawToolHand(context);
   ImGui::End();
-  if (clicked) bench.tools->select(*clicked);
+  if (clicked) runIfEnabled(context, "tool.select", std::vector<std::string>{context.bench.tools->at(*clicked).id});
 }
 
 }  // namespace kerf

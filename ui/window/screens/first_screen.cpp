@@ -106,7 +106,7 @@ void FirstScreen::draw(AppContext& context, const std::function<void(const AppCo
   for (const char* const name : demoNames()) {
     ImGui::SameLine();
     ImGui::SetCursorPosY(line);
-    if (plainButton(name, "", scaled(96))) bench.sessions->openDemo(name);
+    if (plainButton(name, "", scaled(96))) runIfEnabled(context, "file.demo", std::vector<std::string>{name});
   }
 
   drawLost(context);
@@ -182,7 +182,8 @@ void FirstScreen::drawCard(AppContext& context, std::size_t n, float width) {
   const bool is_hovered = ImGui::IsItemHovered();
   if (is_hovered) ui::setTooltip(ui::asItIs(file.path.string()));
   if (ImGui::BeginPopupContextItem("menu")) {
-    if (ui::menuItem("Remove from list")) bench.history->forgetRecent(n);
+    if (ui::menuItem("Remove from list"))
+      runIfEnabled(context, "recent.forget", std::vector<std::string>{std::to_string(n + 1)});
     ImGui::EndPopup();
   }
 
@@ -205,10 +206,11 @@ void FirstScreen::drawCard(AppContext& context, std::size_t n, float width) {
     const ImVec2 next = ImGui::GetCursorScreenPos();
     ImGui::SetItemAllowOverlap();
     ImGui::SetCursorScreenPos({end.x - pad - scaled(66), end.y - line - 0.5f * pad});
-    if (ui::button("Remove", {scaled(66), 0})) bench.history->forgetRecent(n);
+    if (ui::button("Remove", {scaled(66), 0}))
+      runIfEnabled(context, "recent.forget", std::vector<std::string>{std::to_string(n + 1)});
     ImGui::SetCursorScreenPos(next);
   } else if (is_clicked) {
-    bench.imports->begin(file.path);
+    runIfEnabled(context, "recent.open", std::vector<std::string>{std::to_string(n + 1)});
   }
   ImGui::EndGroup();
   ImGui::PopID();
