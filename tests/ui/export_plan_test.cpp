@@ -16,7 +16,7 @@
 #include "tests/support/open_block.h"
 #include "tests/support/temporary_folder.h"
 #include "ui/app/commands/app_commands.h"
-#include "ui/app/commands/quit.h"
+#include "ui/app/commands/quit_commands.h"
 #include "ui/app/document/document.h"
 #include "ui/app/document/jobs.h"
 #include "ui/app/script/app_script.h"

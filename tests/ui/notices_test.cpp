@@ -1,4 +1,4 @@
-#include "ui/window/panels/notices.h"
+#include "ui/window/frame/notices.h"
 
 #include <gtest/gtest.h>
 

@@ -135,7 +135,7 @@ class ViewsOfAnArch : public testing::Test {
 };
 
 TEST_F(ViewsOfAnArch, EachSideOfAMolarAndOfAnIncisorIsSeenFromWhereItFaces) {
-  ASSERT_TRUE(bench_.document->arch());
+  ASSERT_TRUE(bench_.document->occlusal().arch);
   const Vec3d left_molar(20.5, 26, 0), right_molar(-20.5, 26, 0), incisor(2.5, 0.8, 0);
   const auto side = [](const Camera& c) { return Vec3d(c.backwards().x(), c.backwards().y(), 0).normalized(); };
   constexpr double kNear = 0.8;  // cosine of 37 degrees: teeth are rotated against the axes
@@ -164,7 +164,7 @@ TEST_F(ViewsOfAnArch, WhatIsLookedAtIsInTheMiddleUprightAndNotHidden) {
       EXPECT_NEAR(camera.target.x(), place.x(), 0.3) << id;
       EXPECT_NEAR(camera.target.y(), place.y(), 0.3) << id;
       EXPECT_LE(camera.half_height, 12);
-      EXPECT_NEAR(camera.right().dot(*bench_.document->occlusalNormal()), 0, 1e-9) << id;
+      EXPECT_NEAR(camera.right().dot(*bench_.document->occlusal().normal), 0, 1e-9) << id;
       EXPECT_GT(camera.up().z(), 0.6) << id;
 
       // The other side of the arch does not hide it. The adjacent cusps may, by some mm.

@@ -12,10 +12,10 @@
 #include "tests/support/open_block.h"
 #include "tests/support/temporary_folder.h"
 #include "ui/app/commands/app_commands.h"
-#include "ui/app/readout/point_readout.h"
 #include "ui/app/commands/pointing.h"
 #include "ui/app/document/document.h"
 #include "ui/app/document/jobs.h"
+#include "ui/app/readout/point_readout.h"
 #include "ui/app/script/app_script.h"
 #include "ui/app/workbench/sessions.h"
 #include "ui/app/workbench/strokes.h"
@@ -175,8 +175,8 @@ TEST_F(WorkbenchStrokesTest, ASessionThatEndsTellsItsNumbers) {
   EXPECT_GT(told->least_distance.at("nerve_canal")->value, 0.05);
   EXPECT_LT(told->taken_back.least_distance.at("nerve_canal").value, 0);
   EXPECT_GT(told->taken_back.contact_force.value().value, told->contact_force->value);
-  for (const char* const words : {"Removed 0.", "cortical bone 0.", "N mean", "Nearest to the",
-                                  "in an undone stroke", "Warmest tissue", "Session saved"})
+  for (const char* const words : {"Removed 0.", "cortical bone 0.", "N mean", "Nearest to the", "in an undone stroke",
+                                  "Warmest tissue", "Session saved"})
     EXPECT_NE(said().find(words), std::string::npos) << words << " in " << said();
 }
 
@@ -225,8 +225,8 @@ TEST_F(WorkbenchStrokesTest, TheDemoArchOpensAndIsCut) {
   ASSERT_TRUE(play("file.demo arch\nwait\n")) << said();
   ASSERT_TRUE(bench_->document->isOpen());
   EXPECT_EQ(bench_->document->name(), "arch");
-  EXPECT_TRUE(bench_->document->arch()) << "a full arch: its teeth have sides";
-  EXPECT_TRUE(bench_->document->occlusalNormal());
+  EXPECT_TRUE(bench_->document->occlusal().arch) << "a full arch: its teeth have sides";
+  EXPECT_TRUE(bench_->document->occlusal().normal);
 
   // Viewed from above, on the first object along the middle row of pixels.
   ASSERT_TRUE(play("view.top\nview.fit\ncut.force 2\n"));

@@ -97,6 +97,7 @@ Expected<void> cancelJob(AppContext& c, AppWords) {
 }
 
 constexpr AppCommand kRows[] = {
+    // The menu shows a scan first: FileChooser turns its file into import.read. A script takes the defaults.
     {"file.open", "File:1", "Open...", "Ctrl+O", "PATH",
      "Opens a scan, a recipe or a case. Kerf prepares a scan first.", when::isIdle, openFile},
     {"file.demo", "", "", "", "NAME", "Opens a demo: molar, mandible or arch.", when::isIdle, openDemo},

@@ -42,7 +42,7 @@ Expected<void> view(AppContext& c, AppWords words) {
 
 Expected<void> up(AppContext& c, AppWords words) {
   if (words.empty()) return wrongWord("no side", "+x, -x, +y, -y, +z, -z or auto");
-  const Vec3d found = c.bench.document->occlusalNormal().value_or(Vec3d::UnitZ());
+  const Vec3d found = c.bench.document->occlusal().normal.value_or(Vec3d::UnitZ());
   KERF_TRY(side, words[0] == "auto" ? Expected<Vec3d>(found) : axisFromName(words[0]));
   c.camera.upright = uprightFrame(side);
   return fit(c, {});
@@ -171,7 +171,7 @@ void firstView(AppContext& context, const Camera& otherwise) {
   const double field_of_view = context.camera.field_of_view;
   context.camera = otherwise;
   context.camera.field_of_view = field_of_view;
-  if (const auto& normal = context.bench.document->occlusalNormal()) {
+  if (const auto& normal = context.bench.document->occlusal().normal) {
     constexpr double kFromAbove = 1.5;  // rad
     context.camera.upright = uprightFrame(*normal);
     if (otherwise.elevation > kFromAbove) lookFrom(context.camera, *normal);

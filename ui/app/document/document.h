@@ -57,10 +57,8 @@ class Document final : public Part {
   const std::filesystem::path& source() const { return source_; }
   const std::vector<std::filesystem::path>& sourcesBeside() const { return sources_beside_; }
   const std::filesystem::path& sessionFolder() const { return session_; }
-  /// Unit vector out of the teeth: best view direction of a scan of several teeth. None: it has no occlusal plane.
-  const std::optional<Vec3d>& occlusalNormal() const { return occlusal_.normal; }
-  /// The dental arch, in the scan's frame. None: the scan is no full arch.
-  const std::optional<DentalArch>& arch() const { return occlusal_.arch; }
+  /// Best view direction of a scan of several teeth, and the dental arch, in the scan's frame; each may be missing.
+  const OcclusalSide& occlusal() const { return occlusal_; }
   /// Null if nothing is open for cutting.
   LiveRun* run() { return run_.get(); }
   const LiveRun* run() const { return run_.get(); }
@@ -94,9 +92,8 @@ class Document final : public Part {
   /// All of them are done or refused.
   bool isAnswered() const { return answered() >= sent_; }
   std::uint64_t answered() const { return report_.counts.commands_done + report_.counts.commands_refused; }
-  MouseHand& mouse() { return *hands_.mouse; }
-  GuidedHand& guided() { return *hands_.guided; }
-  std::shared_ptr<HandSwitch> leadingHand() { return hands_.leading; }
+  /// Of an open run.
+  Hands& hands() { return hands_; }
 
   // ---- For Sessions and Replays, which open and end it
 

@@ -18,8 +18,8 @@ class ViewState final : public Part {
   Measure measure;
   /// Hides the side its normal points to from view and pointing. None: shows all.
   std::optional<Plane> section;
-  /// Tooth sides set by the user, in the scan's frame. They override Document::arch() until another document is open.
-  /// None: not set.
+  /// Tooth sides set by the user, in the scan's frame. They override Document::occlusal() until another document is
+  /// open. None: not set.
   std::optional<ToothSides> told_sides;
 
   /// The ray from its exit out of the hidden side of the section. None: that point is inside an object.

@@ -29,7 +29,7 @@ void ForceDevice::warnThatItLeads() {
 }
 
 void ForceDevice::opened(Opening /*how*/) {
-  if (LiveRun* const run = bench_.document->run()) arm_->opened(*run, bench_.document->leadingHand());
+  if (LiveRun* const run = bench_.document->run()) arm_->opened(*run, bench_.document->hands().leading);
 }
 
 void ForceDevice::closing() {

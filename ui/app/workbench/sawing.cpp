@@ -325,12 +325,12 @@ Expected<void> Sawing::cut(double force_n) {
   }
 
   if (bench_.document->report().is_latched) bench_.document->send(ClearLatch{});
-  bench_.document->guided().order(order);
+  bench_.document->hands().guided->order(order);
   const Vec3d& p = start.translation;
   const Eigen::Quaterniond& q = start.rotation;
   if (!bench_.document->send(PlaceTool{{p[0], p[1], p[2]}, {q.w(), q.x(), q.y(), q.z()}})) {
     order.is_wanted = false;
-    bench_.document->guided().order(order);
+    bench_.document->hands().guided->order(order);
     return refuse(Error::Code::kUnsupported, "the 1 kHz thread is busy", "a free place in its queue", "try again");
   }
   const HapticReport& now = bench_.document->report();
@@ -360,7 +360,7 @@ bool Sawing::isBusy() {
 void Sawing::stop() {
   if (!cutting_ || !cutting_->order.is_wanted) return;
   cutting_->order.is_wanted = false;
-  bench_.document->guided().order(cutting_->order);
+  bench_.document->hands().guided->order(cutting_->order);
 }
 
 // Undo waits: tissue would come back around a blade that is still in it.
@@ -407,8 +407,8 @@ void Sawing::update() {
   saveSoon();
   if (!cutting_ || !bench_.document->isOpen()) return;
   Cutting& c = *cutting_;
-  bench_.document->guided().update();
-  const GuidedReport report = bench_.document->guided().report();
+  bench_.document->hands().guided->update();
+  const GuidedReport report = bench_.document->hands().guided->report();
   const HapticReport& now = bench_.document->report();
 
   if (report.id != c.order.id) {  // the tool is not there yet

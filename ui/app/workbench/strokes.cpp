@@ -194,7 +194,7 @@ void Strokes::aim() {
   aim_.irrigation = irrigation;
   aim_.keep = stop_short_mm.value_or(-1);
   aim_.keep_beside = stop_short_beside_mm.value_or(-1);
-  bench_.document->mouse().aim(aim_);
+  bench_.document->hands().mouse->aim(aim_);
 }
 
 }  // namespace kerf

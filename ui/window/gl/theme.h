@@ -9,8 +9,8 @@
 
 namespace kerf {
 
-/// Width of the side panels, before scaled().
-inline constexpr float kPanelWidth = 250;
+/// Widths of the side panels and of the import panel, before scaled().
+inline constexpr float kPanelWidth = 250, kImportPanelWidth = 400;
 
 /// Colours beside those of Dear ImGui's style.
 struct StyleColours {

@@ -21,7 +21,7 @@
 #include "ui/app/base/language.h"
 #include "ui/app/commands/app_commands.h"
 #include "ui/app/commands/pointing.h"
-#include "ui/app/commands/quit.h"
+#include "ui/app/commands/quit_commands.h"
 #include "ui/app/commands/view_commands.h"
 #include "ui/app/commands/zoom.h"
 #include "ui/app/controller/game_controller.h"

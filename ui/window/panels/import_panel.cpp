@@ -402,15 +402,13 @@ void drawPlane(ImDrawList& list, const Projection& at, const Plane& plane, const
 
 }  // namespace
 
-float importPanelWidth() { return scaled(kImportPanelWidth); }
-
 void drawImportPanel(AppContext& context, ImportPanelState& state) {
   ImportSet* const set = context.bench.imports->set();
   if (!set || context.bench.jobs->running()) return;
   const ImGuiIO& io = ImGui::GetIO();
   const float top = ImGui::GetFrameHeight();
-  ImGui::SetNextWindowPos({io.DisplaySize.x - importPanelWidth(), top}, ImGuiCond_Always);
-  ImGui::SetNextWindowSize({importPanelWidth(), io.DisplaySize.y - top}, ImGuiCond_Always);
+  ImGui::SetNextWindowPos({io.DisplaySize.x - scaled(kImportPanelWidth), top}, ImGuiCond_Always);
+  ImGui::SetNextWindowSize({scaled(kImportPanelWidth), io.DisplaySize.y - top}, ImGuiCond_Always);
   ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 0);
   ui::begin("##import", nullptr, ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove);
   ImGui::PopStyleVar();
@@ -509,7 +507,7 @@ void viewScan(AppContext& context, double pixels) {
 
   Box3 box = picture.box;
   box.grow(0.08 * box.size().norm());
-  const int panel = static_cast<int>(static_cast<double>(importPanelWidth()) * pixels);
+  const int panel = static_cast<int>(static_cast<double>(scaled(kImportPanelWidth)) * pixels);
   fitToBox(context.camera, box, std::max(context.width - panel, 64), context.height);
   pan(context.camera, -0.5 * panel, 0, context.height);
 }

@@ -14,10 +14,6 @@ struct ImportPanelState {
   bool shows_guides = true;  ///< box with its sizes, occlusal plane, level of the base
 };
 
-/// Width of the panel at the right edge of the window, window units, at type size 1; and the current width.
-inline constexpr float kImportPanelWidth = 400;
-float importPanelWidth();
-
 /// Draws the panel while bench.imports->set() exists.
 void drawImportPanel(AppContext& context, ImportPanelState& state);
 

@@ -5,7 +5,7 @@
 
 #include "ui/app/commands/app_commands.h"
 #include "ui/app/view/piece_gizmo.h"
-#include "ui/window/panels/panel_column.h"
+#include "ui/window/frame/panel_column.h"
 
 namespace kerf {
 

@@ -1,7 +1,7 @@
 // Plots of the last 20 s: force, torque, spindle, depth, removed volume.
 #pragma once
 
-#include "ui/window/panels/panel.h"
+#include "ui/window/frame/panel.h"
 
 namespace kerf {
 

@@ -2,7 +2,7 @@
 // panels.
 #pragma once
 
-#include "ui/window/panels/panel.h"
+#include "ui/window/frame/panel.h"
 
 namespace kerf {
 

@@ -15,9 +15,9 @@
 #include "ui/app/workbench/sessions.h"
 #include "ui/app/workbench/tool_monitor.h"
 #include "ui/app/workbench/tools.h"
+#include "ui/window/frame/panel_column.h"
 #include "ui/window/gl/theme.h"
 #include "ui/window/gl/widgets.h"
-#include "ui/window/panels/panel_column.h"
 #include "ui/window/panels/readings_panel.h"
 #include "ui/window/screens/readings.h"
 

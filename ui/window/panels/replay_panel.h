@@ -2,7 +2,7 @@
 // opened run: continue it, or watch it.
 #pragma once
 
-#include "ui/window/panels/panel.h"
+#include "ui/window/frame/panel.h"
 
 namespace kerf {
 

@@ -1,7 +1,7 @@
 // The list of tissues with colours and visibility, and the legend of a map of depth or distance.
 #pragma once
 
-#include "ui/window/panels/panel_column.h"
+#include "ui/window/frame/panel_column.h"
 
 namespace kerf {
 

@@ -2,7 +2,7 @@
 
 #include <imgui.h>
 
-#include "ui/app/commands/quit.h"
+#include "ui/app/commands/quit_commands.h"
 #include "ui/window/gl/theme.h"
 #include "ui/window/gl/widgets.h"
 

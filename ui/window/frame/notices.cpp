@@ -1,4 +1,4 @@
-#include "ui/window/panels/notices.h"
+#include "ui/window/frame/notices.h"
 
 #include <imgui.h>
 
@@ -10,7 +10,6 @@
 #include "ui/app/workbench/imports.h"
 #include "ui/window/gl/theme.h"
 #include "ui/window/gl/widgets.h"
-#include "ui/window/panels/import_panel.h"
 
 namespace kerf {
 namespace {

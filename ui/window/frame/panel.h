@@ -10,7 +10,7 @@
 
 #include "ui/app/commands/app_commands.h"
 #include "ui/app/tool/stroke.h"
-#include "ui/window/panels/panel_column.h"
+#include "ui/window/frame/panel_column.h"
 
 namespace kerf {
 

@@ -1,4 +1,4 @@
-#include "ui/window/panels/job_panel.h"
+#include "ui/window/frame/job_panel.h"
 
 #include <imgui.h>
 

@@ -67,7 +67,7 @@ Expected<ToothPlace> toothPlaceOf(const AppContext& c, AppWords words) {
 
   const Ray middle = rayAt(0.5 * c.width, 0.5 * c.height);
   if (const auto place = placeUnder(c, middle)) return *place;
-  if (const auto& arch = c.bench.document->arch(); arch && !c.bench.views->told_sides)
+  if (const auto& arch = c.bench.document->occlusal().arch; arch && !c.bench.views->told_sides)
     return placeOfArch(*arch, middle);
   return ToothPlace{c.bench.document->scene().bounds().center(), {}};
 }
@@ -77,7 +77,7 @@ Expected<ToothSides> sidesOf(const AppContext& c, const ToothPlace& place) {
   ToothSides out;
   if (c.bench.views->told_sides)
     out = *c.bench.views->told_sides;
-  else if (const auto& arch = c.bench.document->arch())
+  else if (const auto& arch = c.bench.document->occlusal().arch)
     out = arch->sidesAt(place.T_world_object.inverse() * place.point);
   else
     return fail({.code = Error::Code::kUnsupported,
@@ -91,7 +91,7 @@ Expected<ToothSides> sidesOf(const AppContext& c, const ToothPlace& place) {
 
 /// Up in the view: exactly out of the teeth, unless the user has turned another side up.
 Vec3d upOf(const AppContext& c) {
-  const auto& occlusal = c.bench.document->occlusalNormal();
+  const auto& occlusal = c.bench.document->occlusal().normal;
   if (occlusal && uprightFrame(*occlusal) == c.camera.upright) return *occlusal;
   return c.camera.upright.transpose() * Vec3d::UnitZ();
 }
@@ -108,7 +108,7 @@ Expected<void> look(AppContext& c, AppWords words, ToothSide side) {
   switch (side) {
     case ToothSide::kOcclusal:
       lookFrom(c.camera, sides.occlusal,
-               is_one_tooth ? sides.buccal : Vec3d(place.T_world_object.rotation * c.bench.document->arch()->front));
+               is_one_tooth ? sides.buccal : Vec3d(place.T_world_object.rotation * c.bench.document->occlusal().arch->front));
       break;
     case ToothSide::kBuccal:
       from(sides.buccal, 0);

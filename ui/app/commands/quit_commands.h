@@ -1,5 +1,5 @@
 // Quitting: asks once about a cut that was not exported. No work is lost: sessions are kept. The commands app.quit and
-// app.stay are in quit.cpp.
+// app.stay are in quit_commands.cpp.
 #pragma once
 
 #include <string>

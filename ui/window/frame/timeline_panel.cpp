@@ -1,4 +1,4 @@
-#include "ui/window/panels/timeline_panel.h"
+#include "ui/window/frame/timeline_panel.h"
 
 #include <fmt/format.h>
 #include <imgui.h>

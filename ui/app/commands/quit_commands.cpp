@@ -1,4 +1,4 @@
-#include "ui/app/commands/quit.h"
+#include "ui/app/commands/quit_commands.h"
 
 #include "ui/app/base/language.h"
 #include "ui/app/commands/command_tables.h"

@@ -1,11 +1,11 @@
-#include "ui/window/panels/panel_column.h"
+#include "ui/window/frame/panel_column.h"
 
 #include <imgui.h>
 
 #include <algorithm>
 
+#include "ui/window/frame/timeline_panel.h"
 #include "ui/window/gl/theme.h"
-#include "ui/window/panels/timeline_panel.h"
 
 namespace kerf {
 namespace {

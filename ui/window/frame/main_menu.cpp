@@ -1,4 +1,4 @@
-#include "ui/window/panels/main_menu.h"
+#include "ui/window/frame/main_menu.h"
 
 #include <fmt/format.h>
 #include <imgui.h>
