@@ -144,6 +144,19 @@ std::string unmarked(const std::string& words) {
   return out;
 }
 
+// As a row of the menu does.
+TEST_F(LanguageWindow, APanelThatEndsTheSessionLeavesTheOthersNothingToRead) {
+  static const Panel kEnds = {"end", "", Screen::kAny, PanelPlace::kOwn,
+                              [](PanelFrame& frame) { frame.context.bench.sessions->close(); }};
+  std::vector<Panel> rows{kEnds};
+  rows.insert(rows.end(), panelRows().begin(), panelRows().end());
+  ASSERT_TRUE(bench_.document->isOpen());
+  drawAll();
+  imgui_.draw([&] { drawPanels(context_, panels_, {}, rows); });
+  EXPECT_FALSE(bench_.document->isOpen());
+  while (bench_.jobs->running()) bench_.update();
+}
+
 TEST_F(LanguageWindow, EveryTextOfThePanelsGoesThroughTheOneFunction) {
   setShownLanguage(std::make_shared<const Language>(Language::marking()));
   bench_.notices->say("something was said");

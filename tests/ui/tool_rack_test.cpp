@@ -7,10 +7,10 @@
 
 #include "geometry/formats/mesh_writer.h"
 #include "tests/ui/block_on_bench.h"
-#include "ui/app/settings/settings.h"
 #include "ui/app/commands/app_commands.h"
 #include "ui/app/document/document.h"
 #include "ui/app/document/jobs.h"
+#include "ui/app/settings/settings.h"
 #include "ui/app/workbench/sessions.h"
 #include "ui/app/workbench/tools.h"
 
@@ -77,6 +77,22 @@ class ToolRackTest : public testing::Test {
 };
 
 using Ids = std::vector<std::string>;
+
+TEST_F(ToolRackTest, OfTwoToolsWithOneIdEachIsTakenByItsOwnWord) {
+  fs::create_directories(folder_.path() / "mine");
+  const fs::path mine = folder_.path() / "mine" / "round-010.toml";
+  fs::copy_file(bench_.document->run()->tools()[1].file, mine);
+  bench_.tools->add(mine);
+  ASSERT_TRUE(
+      comes([&] { return bench_.document->isOpen() && !bench_.jobs->running() && bench_.tools->count() == 4; }));
+  ASSERT_EQ(bench_.tools->at(3).id, "round-010");
+  EXPECT_EQ(bench_.tools->inHand(), 3u);
+  EXPECT_EQ(bench_.tools->wordFor(1), "round-010");
+  for (const std::size_t wanted : {1u, 3u, 0u}) {
+    ASSERT_TRUE(runAppCommand(context_, "tool.select", std::vector{bench_.tools->wordFor(wanted)}));
+    EXPECT_EQ(bench_.tools->inHand(), wanted);
+  }
+}
 
 TEST_F(ToolRackTest, FavouritesAreFirstInTheOrderInWhichTheyWereChosen) {
   EXPECT_EQ(shown(), (Ids{"round-014", "round-010", "disc-22"}));

@@ -328,6 +328,7 @@ TEST_F(WorkbenchTest, ASessionWithPiecesIsWatchedAndThenGoneOnWith) {
       {open + "replay.jump 4", "0 to 3"},
       {open + "replay.speed 40", "0.25 to 16"},
       {open + "cut.press 200 150", "not available now"},
+      {open + "replay.end\nwait\npiece.next", "not available now"},
       {"replay.play", "not available now"},
       {"replay.open \"" + in.string() + "\"\nwait", "bar.ply"},
   };

@@ -51,12 +51,13 @@ Rigid3 turned(const Rigid3& pose, const Vec3d& middle, const Vec3d& axis, double
 }
 
 bool arePieces(const AppContext& c) {
+  if (!c.bench.document->isOpen()) return false;
   const auto shown = c.bench.document->scene().shown();
   const auto is_moved = [](const SceneObject* piece) { return piece->isMoved(); };
   return c.bench.document->scene().pieceCount() > 1 || std::any_of(shown.begin(), shown.end(), is_moved);
 }
 
-bool isChosen(const AppContext& c) { return c.bench.pieces->chosen() != nullptr; }
+bool isChosen(const AppContext& c) { return c.bench.document->isOpen() && c.bench.pieces->chosen(); }
 
 Expected<void> choose(AppContext& c, AppWords words) {
   if (words.empty()) return wrongWord("no piece", "its name or number");

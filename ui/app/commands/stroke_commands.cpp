@@ -36,7 +36,8 @@ Expected<void> nudge(AppContext& c, AppWords words) {
   KERF_TRY(up, numberOf(words, 1, "UP", -kMost, kMost));
   KERF_TRY(in, numberOf(words, 2, "IN", -kMost, kMost));
   if (right != 0 || up != 0) c.bench.strokes->nudge(c.camera, right, up);
-  if (in != 0) c.bench.strokes->moveAlong(in);
+  // 0 along the axis alone: holds the present depth.
+  if (in != 0 || (right == 0 && up == 0)) c.bench.strokes->moveAlong(in);
   return {};
 }
 

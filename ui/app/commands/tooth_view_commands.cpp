@@ -108,7 +108,8 @@ Expected<void> look(AppContext& c, AppWords words, ToothSide side) {
   switch (side) {
     case ToothSide::kOcclusal:
       lookFrom(c.camera, sides.occlusal,
-               is_one_tooth ? sides.buccal : Vec3d(place.T_world_object.rotation * c.bench.document->occlusal().arch->front));
+               is_one_tooth ? sides.buccal
+                            : Vec3d(place.T_world_object.rotation * c.bench.document->occlusal().arch->front));
       break;
     case ToothSide::kBuccal:
       from(sides.buccal, 0);

@@ -11,6 +11,7 @@
 namespace kerf {
 namespace {
 
+constexpr double kMostAtOnce = 10;  // mm
 constexpr double kPointerDegree = std::numbers::pi / 180;
 
 // A place beside the object is no error.
@@ -25,7 +26,7 @@ void StrokePointer::move(AppContext& context, const Pixel& cursor, const HeldKey
   Workbench& bench = context.bench;
   const bool leads = bench.strokes->isPressed() && !bench.strokes->isOnPedal();
   if (leads && held.ctrl) {
-    runs(context, "cut.nudge", {0, 0, kAlongAPixel * moved[1]});
+    runs(context, "cut.nudge", {0, 0, std::clamp(kAlongAPixel * moved[1], -kMostAtOnce, kMostAtOnce)});
     return;
   }
   if (leads) {

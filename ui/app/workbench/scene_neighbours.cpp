@@ -111,9 +111,13 @@ std::vector<Neighbour> SceneNeighbours::list() const {
 }
 
 const SceneObject* SceneNeighbours::find(const std::string& name) const {
-  for (const SceneObject* object : bench_.document->scene().shown())
-    if (object->isBeside() && (object->name == name || std::to_string(object->loaded) == name)) return object;
-  return nullptr;
+  const SceneObject* by_number = nullptr;
+  for (const SceneObject* object : bench_.document->scene().shown()) {
+    if (!object->isBeside()) continue;
+    if (object->name == name) return object;
+    if (!by_number && std::to_string(object->loaded) == name) by_number = object;
+  }
+  return by_number;
 }
 
 void SceneNeighbours::makeGhost(std::uint32_t id, bool is_ghost) {

@@ -29,7 +29,7 @@ class SceneNeighbours final : public Part {
   void workOn(std::size_t number);
 
   std::vector<Neighbour> list() const;
-  /// Null: no such neighbour.   @param name  or its number.
+  /// Null: no such neighbour.   @param name  or, if none has that name, its number.
   const SceneObject* find(const std::string& name) const;
   /// Makes it translucent and not selectable.
   void makeGhost(std::uint32_t id, bool is_ghost);

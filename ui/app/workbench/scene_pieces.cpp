@@ -32,6 +32,7 @@ const SceneObject* ScenePieces::chosen() const { return chosen_ ? bench_.documen
 
 void ScenePieces::move(std::uint32_t id, const Rigid3& T_world_object) {
   Document& document = *bench_.document;
+  if (!document.isOpen()) return;
   SceneObject* const piece = document.scene().find(id);
   if (!piece || !piece->is_in_scene || bench_.neighbours->isNeighbour(id, "be moved")) return;
   if (!T_world_object.isUsable())
@@ -59,7 +60,7 @@ void ScenePieces::hide(std::uint32_t id, bool is_hidden) {
 void ScenePieces::rename(std::uint32_t id, const std::string& name) {
   LiveScene& scene = bench_.document->scene();
   SceneObject* const piece = scene.find(id);
-  if (!piece || name.empty() || name == piece->name || bench_.neighbours->isNeighbour(id, "be renamed")) return;
+  if (!piece || !bench_.document->isOpen() || name.empty() || name == piece->name || bench_.neighbours->isNeighbour(id, "be renamed")) return;
   const bool is_number = std::all_of(name.begin(), name.end(), [](char c) { return c >= '0' && c <= '9'; });
   const auto has = [&](const SceneObject* other) { return other != piece && other->name == name; };
   const auto all = scene.shown();

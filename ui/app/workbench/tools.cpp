@@ -69,13 +69,20 @@ void Tools::select(std::size_t n) {
   toolChanged();
 }
 
-bool Tools::select(const std::string& id) {
-  for (std::size_t n = 0; n < count(); ++n)
-    if (at(n).id == id) {
-      select(n);
-      return true;
-    }
-  return false;
+bool Tools::select(const std::string& id_or_file) {
+  if (!bench_.document->isOpen()) return false;
+  const auto tools = bench_.document->run()->tools();
+  const auto isIt = [&](const SessionTool& known) { return known.tool.id == id_or_file || known.file == id_or_file; };
+  const auto found = std::find_if(tools.begin(), tools.end(), isIt);
+  if (found == tools.end()) return false;
+  select(static_cast<std::size_t>(found - tools.begin()));
+  return true;
+}
+
+std::string Tools::wordFor(std::size_t n) const {
+  for (std::size_t before = 0; before < n; ++before)
+    if (at(before).id == at(n).id) return bench_.document->run()->tools()[n].file.string();
+  return at(n).id;
 }
 
 void Tools::selectFile(const fs::path& file) {

@@ -38,8 +38,10 @@ class Tools final : public Part {
   /// The tool in hand.
   const Tool& held() const { return at(inHand()); }
   void select(std::size_t n);
-  /// False: no tool has that id.
-  bool select(const std::string& id);
+  /// False: no tool has that id or file.
+  bool select(const std::string& id_or_file);
+  /// Its id; or its file, if another tool before it has the same id.
+  std::string wordFor(std::size_t n) const;
 
   /// The rack is still being read. update() fills it and reports errors. Opening a document waits for it in its job.
   bool isReading() const { return rack_ != nullptr; }

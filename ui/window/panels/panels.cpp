@@ -124,12 +124,13 @@ void drawInColumn(PanelFrame& frame, const Panel& panel) {
 
 std::span<const Panel> panelRows() { return kPanels; }
 
-void drawPanels(AppContext& context, PanelState& state, const std::optional<ToolOverSurface>& over) {
-  const Screen now = screenOf(context.bench);
+void drawPanels(AppContext& context, PanelState& state, const std::optional<ToolOverSurface>& over,
+                std::span<const Panel> rows) {
   PanelColumn column(context);
   PanelFrame frame{context, state, over, column};
-  for (const Panel& panel : kPanels) {
-    if (panel.screen != Screen::kAny && panel.screen != now) continue;
+  for (const Panel& panel : rows) {
+    // Asked for each row: a command of a row above may have ended the document.
+    if (panel.screen != Screen::kAny && panel.screen != screenOf(context.bench)) continue;
     if (panel.place == PanelPlace::kOwn) panel.draw(frame);
     if (panel.place == PanelPlace::kColumn) drawInColumn(frame, panel);
   }

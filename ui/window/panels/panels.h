@@ -2,10 +2,12 @@
 #pragma once
 
 #include <functional>
+#include <span>
 #include <string>
 
 #include "ui/app/commands/app_commands.h"
 #include "ui/app/tool/stroke.h"
+#include "ui/window/frame/panel.h"
 #include "ui/window/panels/device_panel.h"
 #include "ui/window/panels/import_panel.h"
 #include "ui/window/panels/pieces_panel.h"
@@ -31,6 +33,8 @@ struct PanelState {
 };
 
 /// Menu bar, tools, readings, job, notices; the first screen while no document is open.
-void drawPanels(AppContext& context, PanelState& state, const std::optional<ToolOverSurface>& over);
+/// @param rows  of the table of panels; others in tests.
+void drawPanels(AppContext& context, PanelState& state, const std::optional<ToolOverSurface>& over,
+                std::span<const Panel> rows = panelRows());
 
 }  // namespace kerf

@@ -143,7 +143,7 @@ void drawList(AppContext& context, PanelColumn& column) {
     std::array<char, 64> name{};
     chosen->name.copy(name.data(), name.size() - 1);
     ImGui::PushItemWidth(-1);
-    if (ui::inputText("##name", name.data(), name.size(), ImGuiInputTextFlags_EnterReturnsTrue))
+    if (ui::inputText("##name", name.data(), name.size(), ImGuiInputTextFlags_EnterReturnsTrue) && name[0] != '\0')
       runIfEnabled(context, "piece.rename", std::vector<std::string>{name.data()});
     ImGui::PopItemWidth();
     drawColours(context, *chosen);
@@ -155,23 +155,19 @@ void drawList(AppContext& context, PanelColumn& column) {
   ImGui::End();
 }
 
-void look(AppContext& context, const SceneObject& neighbour, const char* how) {
-  runIfEnabled(context, "neighbour.look", std::vector<std::string>{neighbour.name, how});
-}
-
-// The neighbours.
+// The neighbours, by id: two may have one name.
 void drawBeside(AppContext& context, PanelColumn& column) {
-  const Workbench& bench = context.bench;
+  Workbench& bench = context.bench;
   column.place();
   ui::begin("Neighbours", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
   for (const SceneObject* object : bench.document->scene().shown()) {
     if (!object->isBeside()) continue;
     ImGui::PushID(static_cast<int>(object->id));
     bool is_shown = !object->is_hidden, is_ghost = object->is_ghost;
-    if (ui::checkbox("##shown", &is_shown)) look(context, *object, is_shown ? is_ghost ? "ghost" : "show" : "hide");
+    if (ui::checkbox("##shown", &is_shown)) bench.pieces->hide(object->id, !is_shown);
     if (ImGui::IsItemHovered()) ui::setTooltip("Show or hide; the tool still touches it");
     ImGui::SameLine();
-    if (ui::checkbox("##ghost", &is_ghost)) look(context, *object, is_ghost ? "ghost" : "show");
+    if (ui::checkbox("##ghost", &is_ghost)) bench.neighbours->makeGhost(object->id, is_ghost);
     if (ImGui::IsItemHovered()) ui::setTooltip("Ghost: translucent and not clickable");
     ImGui::SameLine();
     ui::text(ui::asItIs(object->name));

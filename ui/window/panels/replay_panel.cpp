@@ -144,6 +144,7 @@ void drawReplayStrip(AppContext& context) {
   ImGui::SameLine(0, scaled(16));
   button(context, "Continue cutting", "replay.go-on", !now.is_jumping && !context.bench.jobs->running());
   button(context, "Close", "replay.close");
+  if (!context.bench.document->watched()) return ImGui::End();  // `run` and `now` are gone
   ImGui::NewLine();
   drawBar(context);
   if (now.verdict) {

@@ -241,7 +241,7 @@ void drawTools(AppContext& context, ToolPanelState& state) {
   drawTilt(context);
   drawToolHand(context);
   ImGui::End();
-  if (clicked) runIfEnabled(context, "tool.select", std::vector<std::string>{context.bench.tools->at(*clicked).id});
+  if (clicked) runIfEnabled(context, "tool.select", std::vector<std::string>{context.bench.tools->wordFor(*clicked)});
 }
 
 }  // namespace kerf
