@@ -185,7 +185,7 @@ TEST_F(Picture, TheInsideOfAnOpenSurfaceIsBluish) {
 TEST_F(Picture, ACreviceIsDarkerThanTheOpen) {
   Mesh mesh;
   for (const auto& [x, z] : {std::pair(-4, 0), {-1, 0}, {0, -2}, {1, 0}, {4, 0}})
-    for (const int y : {-4, 4}) mesh.vertices.push_back({x, y, z});
+    for (const int y : {-4, 4}) mesh.vertices.push_back(Vec3d(x, y, z));
   for (std::uint32_t n = 0; n < 8; n += 2) {
     mesh.triangles.push_back({n, n + 2, n + 3});
     mesh.triangles.push_back({n, n + 3, n + 1});
