@@ -109,7 +109,8 @@ class LanguageWindow : public test::OnABlock {
   // Menus cannot be open without a mouse; all panels are.
   std::string drawAll() {
     context_.settings = &settings_;
-    context_.panels["settings"] = context_.panels["device"] = context_.panels["plots"] = true;
+    context_.panels["settings"] = context_.panels["device"] = context_.panels["plots"] = context_.panels["details"] =
+        true;
     context_.width = 1280;
     context_.height = 800;
     std::string out;

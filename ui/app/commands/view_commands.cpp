@@ -146,6 +146,8 @@ constexpr AppCommand kRows[] = {
     {"view.plots", "View:3", "Show plots of last 20 s", "", "[on|off]",
      "Shows or hides plots of force, torque, spindle speed, depth and volume rate.", when::always,
      switchPanel<"plots">},
+    {"view.details", "", "", "", "[on|off]", "Shows or hides the numbers of the 1 kHz loop.", when::always,
+     switchPanel<"details">},
     {"view.zoom", "", "", "", "FACTOR [X Y]", "Zooms by a factor, about the centre of the view or a pixel.",
      when::always, zoom},
     {"view.perspective", "View:5", "Perspective", "O", "[DEG|off]",

@@ -1,5 +1,6 @@
 #include "ui/app/workbench/tool_monitor.h"
 
+#include <chrono>
 #include <cmath>
 #include <utility>
 
@@ -21,6 +22,8 @@ constexpr double kStopped = 0.03;  // mm: the closest approach of a held button 
 
 void ToolMonitor::opened(Opening /*how*/) {
   loop_rate_.clear();
+  loop_ = {};
+  loop_read_ = {};
   trace_.clear();
   hindrance_ = {};
   has_told_of_pulp_ = has_told_of_bone_ = has_told_of_dead_bone_ = false;
@@ -37,7 +40,19 @@ void ToolMonitor::update() {
     }
     warnOfHeat();
   }
-  if (document.isOpen()) loop_rate_.add(document.report().counts.ticks, LoopRate::Clock::now());
+  if (document.isOpen()) readLoop();
+}
+
+void ToolMonitor::readLoop() {
+  const Document& document = *bench_.document;
+  const auto now = LoopRate::Clock::now();
+  const HapticCounts& counts = document.report().counts;
+  loop_rate_.add(counts.ticks, now);
+  if (now - loop_read_ < std::chrono::seconds(1)) return;
+  loop_read_ = now;
+  const TimeHistogram& cost = document.times().cost;
+  loop_ = {loop_rate_.hz(), {}, counts.overruns, counts.ticks};
+  if (cost.count() > 0) loop_.p99_ms = cost.percentileMs(0.99);
 }
 
 void ToolMonitor::addToTrace() {

@@ -1,6 +1,7 @@
 // Readings of the tool at work: depth of its tip, distances to protected structures and neighbours, drive, heat, plots.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -56,6 +57,13 @@ class ToolMonitor final : public Part {
   const Trace& trace() const { return trace_; }
   /// Ticks per second of the 1 kHz thread, mean of the last second. None in the first second.
   std::optional<double> loopHz() const { return loop_rate_.hz(); }
+  /// The 1 kHz loop as of the last second: these numbers change once a second.
+  struct Loop {
+    std::optional<double> hz;
+    std::optional<double> p99_ms;  ///< of the duration of a tick
+    std::uint64_t overruns = 0, ticks = 0;
+  };
+  const Loop& loop() const { return loop_; }
 
   void opened(Opening how) override;
   void update() override;
@@ -63,9 +71,12 @@ class ToolMonitor final : public Part {
  private:
   void addToTrace();
   void warnOfHeat();
+  void readLoop();
 
   Workbench& bench_;
   LoopRate loop_rate_;
+  Loop loop_;
+  LoopRate::Clock::time_point loop_read_{};
   Trace trace_;
   Hindrance hindrance_;
   bool has_told_of_pulp_ = false, has_told_of_bone_ = false, has_told_of_dead_bone_ = false;  // heat warnings given

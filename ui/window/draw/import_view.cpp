@@ -77,7 +77,15 @@ bool ImportView::takeFitWanted() { return std::exchange(is_fit_wanted_, false); 
 Expected<void> ImportView::draw(const Camera& camera, int width, int height, bool is_still) {
   LiveFrame frame;
   frame.supersampling = is_still ? 2 : 1;
-  return renderer_->draw(camera, width, height, frame);
+  KERF_CHECK(renderer_->draw(camera, width, height, frame));
+  drawn_ = {renderer_->version(), camera, width, height, frame};
+  is_drawn_still_ = is_still;
+  return {};
+}
+
+bool ImportView::isDrawn(const Camera& camera, int width, int height, bool is_still) const {
+  const PictureContent now{renderer_->version(), camera, width, height, {}};
+  return is_still == is_drawn_still_ && renderer_->counts().waiting_pages == 0 && drawn_.isSame(now);
 }
 
 }  // namespace kerf

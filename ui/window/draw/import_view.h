@@ -14,6 +14,7 @@
 #include "ui/app/view/camera.h"
 #include "ui/app/view/mesh_chunks.h"
 #include "ui/window/draw/live_renderer.h"
+#include "ui/window/draw/still_picture.h"
 
 namespace kerf {
 
@@ -33,6 +34,8 @@ class ImportView {
   void setBackground(const Vec3f& middle, const Vec3f& edge) { renderer_->setBackground(middle, edge); }
 
   Expected<void> draw(const Camera& camera, int width, int height, bool is_still);
+  /// draw() would show the same picture again: it can be left out.
+  bool isDrawn(const Camera& camera, int width, int height, bool is_still) const;
 
  private:
   using Chunks = std::vector<ColouredChunk>;
@@ -50,6 +53,8 @@ class ImportView {
   std::vector<ImportPicture::Part> wanted_;  // parts in job_, waiting or shown
   std::string of_, fitted_;                  // ImportPicture::of
   bool is_fit_wanted_ = false;
+  PictureContent drawn_;  // by the last draw()
+  bool is_drawn_still_ = false;
 };
 
 }  // namespace kerf

@@ -24,11 +24,13 @@ struct LiveSlab {
   bool is_chosen = true;   ///< blue; else grey
   /// Segments where the middle plane meets the surface.
   std::vector<std::array<Vec3d, 2>> contour{};
+  bool operator==(const LiveSlab&) const = default;
 };
 
 /// On top of everything.
 struct LiveLine {
   Vec3d from = Vec3d::Zero(), to = Vec3d::Zero();
+  bool operator==(const LiveLine&) const = default;
 };
 
 /// Overlay of one frame.
@@ -38,6 +40,7 @@ struct LivePlan {
   std::vector<Vec3d> dots{};      ///< picked points
 
   bool isEmpty() const { return slabs.empty() && lines.empty() && dots.empty(); }
+  bool operator==(const LivePlan&) const = default;
 };
 
 namespace internal {

@@ -195,9 +195,21 @@ Expected<void> LiveView::draw(const Workbench& bench, const Camera& camera, int 
   LiveFrame frame = frameOf(bench, camera);
   frame.supersampling = edges == Edges::kSmooth ? 2 : 1;
   if (!std::exchange(is_whole_wanted_, false)) frame.most_upload = kUploadAFrame;
-  if (edges == Edges::kByAndBy) return still_.draw(*renderer_, camera, width, height, frame);
-  still_.forget();
-  return renderer_->draw(camera, width, height, frame);
+  drawn_.reset();
+  if (edges == Edges::kByAndBy) {
+    KERF_CHECK(still_.draw(*renderer_, camera, width, height, frame));
+  } else {
+    still_.forget();
+    KERF_CHECK(renderer_->draw(camera, width, height, frame));
+  }
+  const bool is_final = edges == Edges::kSmooth || (edges == Edges::kByAndBy && still_.isFinal());
+  if (is_final && !isUploading()) drawn_ = PictureContent{renderer_->version(), camera, width, height, frame};
+  return {};
+}
+
+bool LiveView::isDrawn(const Workbench& bench, const Camera& camera, int width, int height, Edges edges) {
+  if (!drawn_ || edges == Edges::kFast || is_whole_wanted_) return false;
+  return drawn_->isSame({renderer_->version(), camera, width, height, frameOf(bench, camera)});
 }
 
 Expected<Image> LiveView::picture(const Workbench& bench, const Camera& camera, int width, int height) {

@@ -51,6 +51,8 @@ class LiveView {
     kByAndBy  ///< over several frames while nothing changes: StillPicture
   };
   Expected<void> draw(const Workbench& bench, const Camera& camera, int width, int height, Edges edges);
+  /// draw() would show the same picture again, as smooth as the last one: it can be left out.
+  bool isDrawn(const Workbench& bench, const Camera& camera, int width, int height, Edges edges);
   Expected<Image> picture(const Workbench& bench, const Camera& camera, int width, int height);
 
  private:
@@ -78,7 +80,8 @@ class LiveView {
   std::optional<ToolOverSurface> hover_;
   SawView saw_;
   StillPicture still_;
-  std::set<std::uint32_t> known_;  // objects that have a surface in the renderer
+  std::optional<PictureContent> drawn_;  // by the last draw(); none: not yet final
+  std::set<std::uint32_t> known_;        // objects that have a surface in the renderer
   bool is_fit_wanted_ = false;
   bool is_whole_wanted_ = false;  // the next frame uploads all: its content replaces other content
   std::function<void()> before_clear_;

@@ -56,10 +56,11 @@ StillPicture::~StillPicture() {
   for (const internal::GlProgram* program : {&square_, &root_}) glDeleteProgram(program->id);
 }
 
-bool StillPicture::isSame(const Subject& a, const Subject& b) {
-  return a.content == b.content && a.width == b.width && a.height == b.height && isSameCamera(a.camera, b.camera) &&
-         isSamePose(a.frame.T_world_tool, b.frame.T_world_tool) && a.frame.is_ghost == b.frame.is_ghost &&
-         isSamePlane(a.frame.section, b.frame.section);
+bool PictureContent::isSame(const PictureContent& other) const {
+  return version == other.version && width == other.width && height == other.height &&
+         isSameCamera(camera, other.camera) && isSamePose(frame.T_world_tool, other.frame.T_world_tool) &&
+         frame.is_ghost == other.frame.is_ghost && isSamePlane(frame.section, other.frame.section) &&
+         frame.plan == other.frame.plan;
 }
 
 Expected<void> StillPicture::prepare(int width, int height) {
@@ -129,9 +130,9 @@ Expected<void> StillPicture::draw(LiveRenderer& renderer, const Camera& camera, 
   glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &bound);
   const auto target = static_cast<GLuint>(bound);
 
-  Subject now{renderer.version(), camera, width, height, frame};
+  PictureContent now{renderer.version(), camera, width, height, frame};
   const bool can_refine = width > 0 && height > 0 && frame.plan.isEmpty();
-  if (!can_refine || !subject_ || !isSame(*subject_, now)) {
+  if (!can_refine || !subject_ || !subject_->isSame(now)) {
     samples_ = 0;
     subject_.reset();
     if (can_refine) subject_ = std::move(now);

@@ -12,6 +12,16 @@
 
 namespace kerf {
 
+/// The content of a picture: two equal ones look the same, but for the smoothness of edges.
+struct PictureContent {
+  std::uint64_t version = 0;  ///< LiveRenderer::version()
+  Camera camera{};
+  int width = 0, height = 0;
+  LiveFrame frame{};
+
+  bool isSame(const PictureContent& other) const;
+};
+
 /// Draws the same scene again and again, each time offset by a part of a pixel, and shows the mean. After kSamples
 /// frames it shows the stored mean. Like LiveRenderer: its context is current in every call, the destructor included.
 class StillPicture {
@@ -30,21 +40,15 @@ class StillPicture {
   void forget() { samples_ = 0; }
   /// Number of kSamples in the shown picture; 0: drawn without smoothing.
   int samples() const { return samples_; }
+  /// Further calls with the same content would show the same picture.
+  bool isFinal() const { return samples_ == kSamples || !subject_; }
 
  private:
-  // Content of a picture.
-  struct Subject {
-    std::uint64_t content = 0;  // LiveRenderer::version()
-    Camera camera;
-    int width = 0, height = 0;
-    LiveFrame frame;
-  };
-  static bool isSame(const Subject& a, const Subject& b);
   Expected<void> prepare(int width, int height);
   void add(int sample);
   void show(GLuint target, int width, int height);
 
-  std::optional<Subject> subject_;
+  std::optional<PictureContent> subject_;
   int samples_ = 0;
   int width_ = 0, height_ = 0;
   internal::GlProgram square_, root_;

@@ -84,6 +84,7 @@ void Desktop::listen() {
   glfwSetCursorPosCallback(window_, [](GLFWwindow* w, double x, double y) {
     heardBy(w).events.push_back({.kind = Kind::kMove, .modifiers = heldOf(w), .x = x, .y = y});
   });
+  glfwSetWindowRefreshCallback(window_, [](GLFWwindow* w) { heardBy(w).is_damaged = true; });
   glfwSetScrollCallback(
       window_, [](GLFWwindow* w, double, double y) { heardBy(w).events.push_back({.kind = Kind::kScroll, .y = y}); });
   glfwSetDropCallback(window_, [](GLFWwindow* w, int count, const char** paths) {

@@ -43,6 +43,10 @@ class Desktop {
   void beginFrame();
   /// Events wait for the panels: the next frame should come at once.
   bool isBehind() const { return heard_.for_panels.isWaiting(); }
+  /// Events wait for takeEvents().
+  bool hasEvents() const { return !heard_.events.empty(); }
+  /// The system has damaged the window since the last call: it must be drawn again.
+  bool takeDamage() { return std::exchange(heard_.is_damaged, false); }
   /// Applies fonts and style to the panels, between two frames.   @param factor  times the scale of the display.
   void restyle(Theme theme, float factor) const;
 
@@ -51,6 +55,7 @@ class Desktop {
   struct Heard {
     std::vector<InputEvent> events;
     KeyTrickle for_panels;
+    bool is_damaged = true;
   };
 
   void listen();

@@ -11,8 +11,10 @@
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <functional>
 #include <numbers>
 #include <optional>
+#include <string_view>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -67,6 +69,27 @@ constexpr double kHarder = 2;        // factor of the force, while Shift is down
 constexpr double kNotch = 0.1;       // mm of depth a notch of the wheel, during a stroke
 
 // ---- The loop
+
+// Of all that the panels draw in a frame: equal ones draw the same.
+std::size_t fingerprintOf(const ImDrawData& data) {
+  std::size_t out = 0;
+  const auto add = [&out](const auto& items) {
+    const std::string_view bytes(reinterpret_cast<const char*>(items.Data),
+                                 static_cast<std::size_t>(items.size_in_bytes()));
+    out = (out ^ std::hash<std::string_view>{}(bytes)) * 0x100000001b3ull;
+  };
+  for (int n = 0; n < data.CmdListsCount; ++n) {
+    const ImDrawList& list = *data.CmdLists[n];
+    add(list.VtxBuffer);
+    add(list.IdxBuffer);
+    for (const ImDrawCmd& command : list.CmdBuffer) {
+      const ImVec4& clip = command.ClipRect;
+      for (const float edge : {clip.x, clip.y, clip.z, clip.w})
+        out = (out ^ std::hash<float>{}(edge)) * 0x100000001b3ull;
+    }
+  }
+  return out;
+}
 
 class Workshop {
  public:
@@ -124,9 +147,8 @@ class Workshop {
   }
 
   Expected<void> frame() {
-    const bool is_idle = !bench_.document->isShown() && !bench_.jobs->running();
     const bool comes_at_once = options_.frames > 0 || desktop_.isBehind();
-    comes_at_once ? glfwPollEvents() : glfwWaitEventsTimeout(is_idle ? 0.25 : 1.0 / 60);
+    comes_at_once ? glfwPollEvents() : glfwWaitEventsTimeout(pause());
     glfwGetWindowSize(desktop_.window(), &window_width_, &window_height_);
     glfwGetFramebufferSize(desktop_.window(), &context_.width, &context_.height);
     if (context_.width == 0 || context_.height == 0 || window_width_ == 0) {  // minimised
@@ -164,23 +186,46 @@ class Workshop {
 
     const bool is_still = secondsSince(last_input_) > kStillAfter && !bench_.strokes->isPressed() &&
                           !bench_.device->isLed() && !bench_.replays->isPlaying();
-    const bool is_smooth = is_still && !is_software_;
-    if (bench_.imports->isImporting())
-      KERF_CHECK(import_view_->draw(camera_, context_.width, context_.height, is_smooth));
-    else
-      KERF_CHECK(view_->draw(bench_, camera_, context_.width, context_.height,
-                             is_smooth  ? LiveView::Edges::kSmooth
-                             : is_still ? LiveView::Edges::kByAndBy
-                                        : LiveView::Edges::kFast));
-    ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
-    glfwSwapBuffers(desktop_.window());
-
+    KERF_CHECK(show(is_still));
     // Waits until all of the surface is on the graphics card and no hand is at work.
     if (is_still && !view_->isUploading() && recent_picture_.isDue()) recent_picture_.take(*view_, bench_, camera_);
-    ++frames_;
     endIfAsked();
     wants_end_ |= options_.frames > 0 && frames_ >= options_.frames;
     return {};
+  }
+
+  // Draws picture and panels, unless the window shows just that already.
+  Expected<void> show(bool is_still) {
+    const bool is_smooth = is_still && !is_software_, is_importing = bench_.imports->isImporting();
+    const LiveView::Edges edges = is_smooth  ? LiveView::Edges::kSmooth
+                                  : is_still ? LiveView::Edges::kByAndBy
+                                             : LiveView::Edges::kFast;
+    const int width = context_.width, height = context_.height;
+    const std::size_t panels = fingerprintOf(*ImGui::GetDrawData());
+    const bool is_whole = !desktop_.takeDamage() && panels == panels_shown_ && is_importing == is_import_shown_;
+    rests_ = options_.frames == 0 && is_whole &&
+             (is_importing ? is_still && import_view_->isDrawn(camera_, width, height, is_smooth)
+                           : view_->isDrawn(bench_, camera_, width, height, edges));
+    if (rests_) return {};
+
+    if (is_importing)
+      KERF_CHECK(import_view_->draw(camera_, width, height, is_smooth));
+    else
+      KERF_CHECK(view_->draw(bench_, camera_, width, height, edges));
+    ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+    glfwSwapBuffers(desktop_.window());
+    panels_shown_ = panels;
+    is_import_shown_ = is_importing;
+    ++frames_;
+    return {};
+  }
+
+  // Seconds to wait for an event. Pads, knobs and arms send none.
+  double pause() const {
+    const bool has_device =
+        !game_controller_.name().empty() || !space_mouse_link_.name().empty() || bench_.device->arm().isOpen();
+    if (!rests_ || has_device) return 1.0 / 60;
+    return bench_.document->isShown() || bench_.jobs->running() ? 0.1 : 0.25;
   }
 
   // For a terminal, if enabled.
@@ -545,6 +590,8 @@ class Workshop {
   int held_ = kNone;
   std::optional<Vec3d> pivot_;  // place under the cursor when the turn began
   bool pans_ = false, is_harder_ = false, wants_end_ = false, is_software_ = true;
+  bool rests_ = false, is_import_shown_ = false;  // the last frame changed nothing; of the last one drawn
+  std::size_t panels_shown_ = 0;                  // fingerprintOf()
   int frames_ = 0;
   std::size_t told_ = 0;  // notices
 };

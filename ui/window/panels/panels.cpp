@@ -85,6 +85,7 @@ constexpr Panel kPanels[] = {
     {"tools", "", Screen::kCut, kOwn, [](PanelFrame& f) { drawTools(f.context, f.state.tools); }},
     {"readings", "Cut", Screen::kCut, PanelPlace::kColumn, drawReadings},
     {"plots", "Last 20 s", Screen::kAny, PanelPlace::kReadings, drawPlots},
+    {"details", "Details", Screen::kCut, PanelPlace::kReadings, drawLoop},
     {"pieces", "", Screen::kCut, kOwn,
      [](PanelFrame& f) { drawPieces(f.context, f.state.piece_drag, f.column, f.state.pixels); }},
     {"tissues", "", Screen::kCut, kOwn, [](PanelFrame& f) { drawTissues(f.context, f.column); }},

@@ -70,17 +70,6 @@ void drawNeighbours(const Workbench& bench, const std::optional<ToolOverSurface>
       reading(phrase("Cut off {}", other.name).c_str(), fmt::format("{:.3f}", other.removed_mm3), "mm3", true);
 }
 
-// The 1 kHz loop: rate, duration, overruns.
-void drawLoop(const Workbench& bench) {
-  constexpr double kLeastHz = 995;
-  const auto hz = bench.monitor->loopHz();
-  reading("Loop", hz ? fmt::format("{:.0f}", *hz) : "-", "Hz", hz && *hz < kLeastHz);
-  const TimeHistogram& cost = bench.document->times().cost;
-  if (cost.count() > 0) reading("Tick p99", fmt::format("{:.2f}", cost.percentileMs(0.99)), "ms");
-  const HapticCounts& counts = bench.document->report().counts;
-  reading("Overruns", fmt::format("{}", counts.overruns), phrase("of {}", counts.ticks).c_str());
-}
-
 // A folding part. Its switch follows the fold.
 void drawSection(PanelFrame& frame, const Panel& panel) {
   bool& is_open = frame.context.panels[panel.id];
@@ -91,9 +80,18 @@ void drawSection(PanelFrame& frame, const Panel& panel) {
 
 }  // namespace
 
+void drawLoop(PanelFrame& frame) {
+  constexpr double kLeastHz = 995;
+  const ToolMonitor::Loop& loop = frame.context.bench.monitor->loop();
+  reading("Loop", loop.hz ? fmt::format("{:.0f}", *loop.hz) : "-", "Hz", loop.hz && *loop.hz < kLeastHz);
+  if (loop.p99_ms) reading("Tick p99", fmt::format("{:.2f}", *loop.p99_ms), "ms");
+  reading("Overruns", fmt::format("{}", loop.overruns), phrase("of {}", loop.ticks).c_str());
+}
+
 void drawSections(PanelFrame& frame) {
+  const bool is_cut = frame.context.bench.document->isOpen();
   for (const Panel& panel : panelRows())
-    if (panel.place == PanelPlace::kReadings) drawSection(frame, panel);
+    if (panel.place == PanelPlace::kReadings && (panel.screen == Screen::kAny || is_cut)) drawSection(frame, panel);
 }
 
 void drawReadings(PanelFrame& frame) {
@@ -116,8 +114,6 @@ void drawReadings(PanelFrame& frame) {
   reading("Removed", fmt::format("{:.2f}", bench.document->removedMm3()), "mm3");
   drawPoint(context, over.has_value());
   drawSections(frame);
-  ImGui::Separator();
-  drawLoop(bench);
   if (r.is_latched)
     ui::textColored(styleColours().warning, bench.device->isLed() ? "Stopped: waiting for the device."
                                                                   : "Stopped: the computer was busy. Press again.");

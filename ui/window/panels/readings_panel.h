@@ -7,6 +7,8 @@
 namespace kerf {
 
 void drawReadings(PanelFrame& frame);
+/// The 1 kHz loop: rate, duration, overruns; a section.
+void drawLoop(PanelFrame& frame);
 /// The rows of the panel table with PanelPlace::kReadings. Draws within the window of a panel.
 void drawSections(PanelFrame& frame);
 

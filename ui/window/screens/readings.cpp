@@ -5,6 +5,7 @@
 
 #include "ui/app/base/language.h"
 #include "ui/app/document/document.h"
+#include "ui/app/document/view_state.h"
 #include "ui/app/view/heat_readings.h"
 #include "ui/window/gl/theme.h"
 #include "ui/window/gl/widgets.h"
@@ -19,6 +20,9 @@ void reading(const char* name, const std::string& value, const char* unit, bool 
 }
 
 void drawHeat(const Workbench& bench) {
+  // A model of one unnamed material has nothing that heat harms.
+  const auto tissues = bench.views->tissues().all();
+  if (tissues.size() == 1 && tissues.front().material == Material::kGeneric) return;
   const HeatReport& heat = bench.document->report().heat;
   if (!heat.is_known) return reading("Temperature", "-", "°C");
   const HeatReading under = heatOfSurface(heat, bench.document->report().output.material);
