@@ -88,12 +88,12 @@ constexpr Panel kPanels[] = {
     {"details", "Details", Screen::kCut, PanelPlace::kReadings, drawLoop},
     {"pieces", "", Screen::kCut, kOwn,
      [](PanelFrame& f) { drawPieces(f.context, f.state.piece_drag, f.column, f.state.pixels); }},
+    {"saw", "", Screen::kCut, kOwn, [](PanelFrame& f) { drawSawPanel(f.context, f.state.saw, f.column); }},
     {"tissues", "", Screen::kCut, kOwn, [](PanelFrame& f) { drawTissues(f.context, f.column); }},
     {"measure", "", Screen::kCut, kOwn, [](PanelFrame& f) { drawMeasure(f.context, f.state.pixels); }},
     {"scale", "", Screen::kCut, kOwn, [](PanelFrame& f) { drawScaleBar(f.context, f.state.pixels); }},
     {"hints", "", Screen::kCut, kOwn, [](PanelFrame& f) { drawHints(f.context); }},
     {"hindrance", "", Screen::kCut, kOwn, [](PanelFrame& f) { drawHindrance(f.context); }},
-    {"saw", "", Screen::kCut, kOwn, [](PanelFrame& f) { drawSawPanel(f.context, f.state.saw); }},
     {"export", "", Screen::kCut, kOwn, [](PanelFrame& f) { drawExportPanel(f.context, f.state.ask_for_file); }},
     // The last one of a cut: taking a branch ends the session.
     {"timeline", "", Screen::kCut, kOwn, [](PanelFrame& f) { drawTimeline(f.context); }},

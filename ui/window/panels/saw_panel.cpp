@@ -168,16 +168,14 @@ void drawHint(const Sawing& saw) {
 
 }  // namespace
 
-void drawSawPanel(AppContext& context, SawPanelState& state) {
+void drawSawPanel(AppContext& context, SawPanelState& state, PanelColumn& column) {
   Workbench& bench = context.bench;
   Sawing& saw = *bench.saw;
   drawHint(saw);
   const bool has_planes = saw.plan().chosen() != nullptr;
   if (!has_planes && !SawBlade::of(bench.tools->at(bench.tools->inHand()))) return;
 
-  const ImGuiIO& io = ImGui::GetIO();
-  ImGui::SetNextWindowPos({io.DisplaySize.x - 8, io.DisplaySize.y - 8}, ImGuiCond_Always, {1, 1});
-  ImGui::SetNextWindowSize({scaled(kPanelWidth), 0}, ImGuiCond_Always);
+  column.place();
   ui::begin("Saw plan", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
   if (const auto status = saw.status()) {
     drawProgress(context, *status);
@@ -194,6 +192,7 @@ void drawSawPanel(AppContext& context, SawPanelState& state) {
       drawCut(context);
     }
   }
+  column.take();
   ImGui::End();
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "ui/app/commands/app_commands.h"
+#include "ui/window/frame/panel_column.h"
 
 namespace kerf {
 
@@ -16,6 +17,6 @@ struct SawPanelState {
 };
 
 /// Runs commands; errors become notices. Drawn while a document is open.
-void drawSawPanel(AppContext& context, SawPanelState& state);
+void drawSawPanel(AppContext& context, SawPanelState& state, PanelColumn& column);
 
 }  // namespace kerf
