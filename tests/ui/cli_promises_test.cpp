@@ -154,7 +154,7 @@ TEST_F(CliPromises, AStrokeForNothingAndATipThatComesOutBehindAreTold) {
     const Outcome told = cut("three.toml", name + ".run", true);
     ASSERT_EQ(told.exit_code, 0) << told.err;
     EXPECT_NE(told.err.find("stroke 2 of 3 removed nothing"), told.err.npos) << told.err;
-    EXPECT_NE(told.err.find("the tip comes out of the object on the far side, at (1.00, 0.30, -4."), told.err.npos)
+    EXPECT_NE(told.err.find("the tip leaves the object on the far side, at (1.00, 0.30, -4."), told.err.npos)
         << told.err;
     const json j = json::parse(told.out);
     EXPECT_EQ(j["strokes"], 3);
