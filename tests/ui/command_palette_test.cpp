@@ -30,7 +30,7 @@ TEST(FindAppCommands, AllWordsHaveToOccurAndTheLabelGoesFirst) {
   EXPECT_EQ(findAppCommands("").size(), appCommands().size());
   ASSERT_FALSE(findAppCommands("UNDO").empty());
   EXPECT_EQ(findAppCommands("UNDO")[0]->id, "edit.undo");
-  EXPECT_EQ(findAppCommands("view")[0]->menu, "View") << "the menu itself goes before \"edge-on in view\"";
+  EXPECT_EQ(menuOf(*findAppCommands("view")[0]), "View") << "the menu itself goes before \"edge-on in view\"";
   EXPECT_EQ(findAppCommands("tool next")[0]->id, "tool.next");
   EXPECT_EQ(findAppCommands("occlusal down")[0]->id, "view.top") << "by its description";
   EXPECT_TRUE(findAppCommands("undo elephant").empty());

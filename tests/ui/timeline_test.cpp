@@ -106,7 +106,7 @@ TEST(Timeline, NumbersGoOnWhenTheOldestAreForgotten) {
   const auto too_old = timeline.strokesAfter(1), too_far = timeline.strokesAfter(9);
   ASSERT_FALSE(too_old || too_far);
   EXPECT_EQ(too_old.error().code, Error::Code::kUnsupported);
-  EXPECT_NE(too_old.error().message().find("too old"), std::string::npos) << too_old.error().message();
+  EXPECT_NE(too_old.error().message().find("no longer stored"), std::string::npos) << too_old.error().message();
   EXPECT_NE(too_far.error().message().find("2 to 8"), std::string::npos) << too_far.error().message();
 }
 

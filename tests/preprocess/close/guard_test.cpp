@@ -347,7 +347,7 @@ TEST(Guard, PiecesThatAWrapJoinsAreSaidAndThoseThatMeetAreNot) {
   const Mesh joined = closed(both(apart, box({7, 2, 2}, {9, 6, 6}))).mesh;
   const auto judged = judgeSolid(apart, joined, exactReport(), &chain);
   ASSERT_EQ(judged.notes.size(), 1u);
-  EXPECT_NE(judged.notes[0].find("2 pieces of the scan that do not meet are one in the solid"), std::string::npos);
+  EXPECT_NE(judged.notes[0].find("2 pieces of the scan that do not touch are one in the solid"), std::string::npos);
 }
 
 TEST(Guard, LostPlacesThatLieTogetherAreOneHeap) {

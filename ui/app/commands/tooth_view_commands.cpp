@@ -83,8 +83,8 @@ Expected<ToothSides> sidesOf(const AppContext& c, const ToothPlace& place) {
     return fail({.code = Error::Code::kUnsupported,
                  .found = "no full arch of teeth to find the sides from",
                  .expected = "sides set by the user",
-                 .hint = "turn the view to the buccal side, then view.sides-here left (mesial is left) or right; or "
-                         "give the buccal and mesial axes of the scan: view.sides +y +x"});
+                 .hint = "turn the view to the buccal side, then View > Set as buccal; in a script view.sides +y +x "
+                         "(buccal and mesial axes)"});
   for (Vec3d* const side : {&out.occlusal, &out.buccal, &out.mesial}) *side = place.T_world_object.rotation * *side;
   return out;
 }

@@ -59,8 +59,12 @@ std::string_view strokes(char c) {
       return "02 32 33 24 14 03 01 10 20 31";
     case 'f':
       return "10 15 26 36  04 24";
+    case 'g':
+      return "34 14 03 01 10 30  34 3/ 2. 0.";
     case 'h':
       return "06 00  03 14 24 33 30";
+    case 'i':
+      return "04 00  06 06";
     case 'l':
       return "06 00";
     case 'm':
@@ -97,7 +101,7 @@ std::string_view strokes(char c) {
 double advance(char c) {
   if (c == 'm') return 8;
   if (c == '.' || c == ' ') return 3;
-  if (c == 'l') return 2;
+  if (c == 'i' || c == 'l') return 2;
   if (c == 'f' || c == 'r' || c == 't') return 4;
   const bool is_narrow = (c >= 'a' && c <= 'u') || c == 'x' || c == 'y' || c == 'z' || c == '-' || c == 'B';
   return is_narrow ? 5 : 6;
