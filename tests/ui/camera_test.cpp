@@ -1,5 +1,5 @@
-#include "ui/app/commands/zoom.h"
 #include "ui/app/view/camera.h"
+#include "ui/app/commands/zoom.h"
 
 #include <gtest/gtest.h>
 

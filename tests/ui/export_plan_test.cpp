@@ -345,8 +345,7 @@ TEST_F(ExportPlanTest, QuittingAsksOnceAboutACutThatWasNotExported) {
   EXPECT_FALSE(context_.wants_quit);
   EXPECT_TRUE(context_.is_asking_to_quit);
   const std::string asked = quit::question(bench_);
-  EXPECT_EQ(asked.find("Your cut is saved in " + bench_.document->sessionFolder().string() + ", but not exported."),
-            0u)
+  EXPECT_EQ(asked.find("Your cut is saved in " + bench_.document->sessionFolder().string() + ", but not exported."), 0u)
       << asked;
 
   ASSERT_TRUE(play("app.stay\n"));

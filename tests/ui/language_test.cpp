@@ -7,9 +7,9 @@
 #include <sstream>
 
 #include "tests/support/temporary_folder.h"
-#include "ui/app/settings/settings.h"
 #include "ui/app/commands/app_commands.h"
 #include "ui/app/script/command_palette.h"
+#include "ui/app/settings/settings.h"
 
 namespace kerf::language_test {
 namespace {

@@ -1,5 +1,5 @@
-#include "ui/app/commands/zoom.h"
 #include "ui/app/hand/stroke_pointer.h"
+#include "ui/app/commands/zoom.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "tests/ui/block_on_bench.h"
-#include "ui/app/readout/point_readout.h"
 #include "ui/app/document/document.h"
+#include "ui/app/readout/point_readout.h"
 #include "ui/app/workbench/strokes.h"
 
 namespace kerf::stroke_pointer_test {

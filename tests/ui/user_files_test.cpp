@@ -7,8 +7,8 @@
 #include <cstdlib>
 
 #include "tests/support/temporary_folder.h"
-#include "ui/app/settings/settings.h"
 #include "ui/app/commands/app_commands.h"
+#include "ui/app/settings/settings.h"
 
 namespace kerf::user_files_test {
 namespace {

@@ -25,15 +25,15 @@
 #include "sim/run/scene/load_scene.h"
 #include "tests/support/open_block.h"
 #include "tests/support/temporary_folder.h"
-#include "ui/app/settings/settings.h"
 #include "ui/app/commands/app_commands.h"
-#include "ui/app/readout/point_readout.h"
 #include "ui/app/commands/pointing.h"
 #include "ui/app/document/document.h"
 #include "ui/app/document/file_history.h"
 #include "ui/app/document/jobs.h"
 #include "ui/app/document/view_state.h"
+#include "ui/app/readout/point_readout.h"
 #include "ui/app/script/app_script.h"
+#include "ui/app/settings/settings.h"
 #include "ui/app/view/scene.h"
 #include "ui/app/view/tissue_display.h"
 #include "ui/app/workbench/results.h"
@@ -455,8 +455,7 @@ TEST_F(WorkbenchTest, ADrillThatTurnsBackwardsTakesNothingAndATurbineRefuses) {
 
   const auto refused = play(open + "cut.reverse on\n");
   ASSERT_FALSE(refused);
-  EXPECT_NE(refused.error().message().find("a turbine has no reverse"), std::string::npos)
-      << refused.error().message();
+  EXPECT_NE(refused.error().message().find("a turbine has no reverse"), std::string::npos) << refused.error().message();
 }
 
 TEST_F(WorkbenchTest, TheDepthOfTheTipThePaceOfTheLoopAndWhatAPieceLostAreKnown) {

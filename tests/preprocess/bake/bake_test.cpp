@@ -61,15 +61,16 @@ TEST(Bake, WhatItWarnedOfIsToldAgainWhenNothingIsBaked) {
   const auto first = bake({mesh}, folder.path() / "plates.case", coarse());
   ASSERT_TRUE(first) << first.error().message();
   ASSERT_TRUE(first->unit_is_doubtful[0]);
-  EXPECT_NE(describe(*first).find("\nWARNING: the tool cannot cut or feel gaps and ridges narrower than 0.2 mm"), std::string::npos);
+  EXPECT_NE(describe(*first).find("\nWARNING: the tool cannot cut or feel gaps and ridges narrower than 0.2 mm"),
+            std::string::npos);
   EXPECT_EQ(describe(*first).find("CHECK THE UNIT"), std::string::npos) << "its line of the source says so";
   EXPECT_NE(describe(*first).find("  unit     CHECK THIS: "), std::string::npos) << describe(*first);
 
   const auto again = bake({mesh}, folder.path() / "plates.case", coarse());
   ASSERT_TRUE(again) << again.error().message();
   ASSERT_TRUE(again->was_up_to_date);
-  for (const char* said :
-       {"WARNING: the tool cannot cut or feel gaps and ridges narrower than 0.2 mm", "WARNING: CHECK THE UNIT of source 1, mm: "})
+  for (const char* said : {"WARNING: the tool cannot cut or feel gaps and ridges narrower than 0.2 mm",
+                           "WARNING: CHECK THE UNIT of source 1, mm: "})
     EXPECT_NE(describe(*again).find(said), std::string::npos) << describe(*again);
 }
 

@@ -60,7 +60,9 @@ void ScenePieces::hide(std::uint32_t id, bool is_hidden) {
 void ScenePieces::rename(std::uint32_t id, const std::string& name) {
   LiveScene& scene = bench_.document->scene();
   SceneObject* const piece = scene.find(id);
-  if (!piece || !bench_.document->isOpen() || name.empty() || name == piece->name || bench_.neighbours->isNeighbour(id, "be renamed")) return;
+  if (!piece || !bench_.document->isOpen() || name.empty() || name == piece->name ||
+      bench_.neighbours->isNeighbour(id, "be renamed"))
+    return;
   const bool is_number = std::all_of(name.begin(), name.end(), [](char c) { return c >= '0' && c <= '9'; });
   const auto has = [&](const SceneObject* other) { return other != piece && other->name == name; };
   const auto all = scene.shown();
