@@ -55,6 +55,24 @@ std::optional<std::uint64_t> ZipArchive::find(std::string_view part) const {
   return static_cast<std::uint64_t>(at);
 }
 
+std::uint64_t ZipArchive::count() const {
+  return static_cast<std::uint64_t>(std::max<zip_int64_t>(0, zip_get_num_entries(archive_.get(), 0)));
+}
+
+std::string ZipArchive::nameOf(std::uint64_t n) const {
+  const char* const name = zip_get_name(archive_.get(), n, ZIP_FL_ENC_GUESS);
+  return name ? name : "";
+}
+
+bool ZipArchive::isLink(std::uint64_t n) const {
+  constexpr zip_uint32_t kKind = 0170000, kRegular = 0100000;  // of a Unix file mode, in the upper half
+  zip_uint8_t system = 0;
+  zip_uint32_t attributes = 0;
+  if (zip_file_get_external_attributes(archive_.get(), n, 0, &system, &attributes) != 0) return true;
+  const zip_uint32_t kind = (attributes >> 16) & kKind;
+  return system == ZIP_OPSYS_UNIX && kind != 0 && kind != kRegular;
+}
+
 Expected<void> ZipArchive::read(std::uint64_t entry, const std::function<Expected<void>(std::string_view)>& take,
                                 const Progress& progress) {
   const char* stored_name = zip_get_name(archive_.get(), entry, ZIP_FL_ENC_GUESS);
@@ -90,7 +108,7 @@ Expected<void> ZipArchive::read(std::uint64_t entry, const std::function<Expecte
     KERF_CHECK(take({piece.get(), static_cast<std::size_t>(n)}));
 
     const double fraction = size > 0 ? std::min(1.0, static_cast<double>(done) / size) : 0;
-    if (done % (4 * kMiB) < static_cast<std::uint64_t>(n) && !report(progress, fraction, "reading 3MF"))
+    if (done % (4 * kMiB) < static_cast<std::uint64_t>(n) && !report(progress, fraction, "unpacking"))
       return cancelled(*source_);
   }
 }
@@ -121,7 +139,8 @@ Expected<void> writeZip(std::ostream& out, const std::vector<ZipEntry>& entries)
   }
 
   for (const ZipEntry& entry : entries) {
-    zip_source_t* bytes = zip_source_buffer(archive, entry.bytes.data(), entry.bytes.size(), 0);
+    zip_source_t* bytes = entry.file.empty() ? zip_source_buffer(archive, entry.bytes.data(), entry.bytes.size(), 0)
+                                             : zip_source_file(archive, entry.file.c_str(), 0, -1);
     const zip_int64_t at = bytes ? zip_file_add(archive, entry.name.c_str(), bytes, ZIP_FL_ENC_UTF_8) : -1;
     const auto index = static_cast<zip_uint64_t>(at);
     if (at < 0 || zip_file_set_dostime(archive, index, kMidnight, kFirstOf1980, 0) != 0 ||

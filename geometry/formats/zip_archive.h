@@ -1,6 +1,7 @@
-// Zip archives in memory, by libzip: the container of 3MF files.
+// Zip archives in memory, by libzip: the container of 3MF files and of saved sessions.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <iosfwd>
 #include <memory>
@@ -26,6 +27,9 @@ class ZipArchive {
   /// The entry of a part of the package ("/3D/3dmodel.model"): the first slash and the case of letters do not count
   /// (ECMA-376 part 2, 2.2). The first of several.
   std::optional<std::uint64_t> find(std::string_view part) const;
+  std::uint64_t count() const;                ///< of entries
+  std::string nameOf(std::uint64_t n) const;  ///< of entry n, as stored
+  bool isLink(std::uint64_t n) const;         ///< entry n is a symbolic link, or a special file
   /// Hands over an entry piece by piece, in order; calls `progress` in between. Damage shows at the end, as a wrong
   /// checksum: pieces received before are then invalid.
   Expected<void> read(std::uint64_t entry, const std::function<Expected<void>(std::string_view)>& take,
@@ -46,6 +50,7 @@ class ZipArchive {
 struct ZipEntry {
   std::string name;
   std::string bytes;
+  std::filesystem::path file{};  ///< its bytes, if not empty: read while writing
 };
 /// Writes an archive of deflated entries, in this order, all dated 1980-01-01: the same entries give the same bytes.
 /// Builds the archive in memory.
