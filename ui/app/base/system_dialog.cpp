@@ -26,9 +26,9 @@ using What = FileQuestion::What;
 
 constexpr int kCancelled = 1;  // exit code of both programs
 
-// "*.stl *.STL ...": scanners write both. Includes files of a CT and recipes.
+// "*.stl *.STL ...": scanners write both. Includes sessions, files of a CT and recipes.
 std::string patterns() {
-  std::string all = ".toml .nrrd .nii .nii.gz .mha .mhd";
+  std::string all = ".kerf .toml .nrrd .nii .nii.gz .mha .mhd";
   for (const MeshFormatRow& row : meshFormats())
     if (row.read) all += " " + std::string(row.extensions);
 

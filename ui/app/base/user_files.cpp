@@ -59,12 +59,20 @@ Expected<void> RecentFiles::add(const fs::path& path) {
   list_.insert(list_.begin(), {absolute, isThere(absolute)});
 
   std::vector<fs::path> gone;
-  for (std::size_t n = kMost; n < list_.size(); ++n) gone.push_back(pictureOf(list_[n].path));
+  for (std::size_t n = kMost; n < list_.size(); ++n) gone.push_back(listPictureOf(list_[n].path));
   list_.resize(std::min(list_.size(), kMost));
   KERF_CHECK(write());
   std::error_code failed;
   for (const fs::path& picture : gone) fs::remove(picture, failed);
   return {};
+}
+
+Expected<void> RecentFiles::replace(const fs::path& old, const fs::path& now) {
+  KERF_CHECK(add(now));
+  const fs::path before = absoluteOf(old);
+  if (before == absoluteOf(now)) return {};
+  const auto at = std::find_if(list_.begin(), list_.end(), [&](const RecentFile& file) { return file.path == before; });
+  return at != list_.end() ? forget(static_cast<std::size_t>(at - list_.begin())) : Expected<void>{};
 }
 
 Expected<void> RecentFiles::forget(std::size_t n) {
@@ -74,11 +82,16 @@ Expected<void> RecentFiles::forget(std::size_t n) {
   std::erase_if(list_, [&](const RecentFile& file) { return file.path == path; });
   KERF_CHECK(write());
   std::error_code ignored;
-  fs::remove(pictureOf(path), ignored);
+  fs::remove(listPictureOf(path), ignored);
   return {};
 }
 
 fs::path RecentFiles::pictureOf(const fs::path& path) const {
+  const fs::path own = path / "picture.png";  // kSessionPicture
+  return isThere(own) ? own : listPictureOf(path);
+}
+
+fs::path RecentFiles::listPictureOf(const fs::path& path) const {
   const std::string text = absoluteOf(path).string();
   return folder_ / "recent" / (sha256(std::as_bytes(std::span(text.data(), text.size()))).substr(0, 24) + ".png");
 }

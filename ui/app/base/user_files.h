@@ -17,7 +17,7 @@ std::filesystem::path userDataFolder();
 /// Settings: $XDG_CONFIG_HOME/kerf, or ~/.config/kerf.
 std::filesystem::path userConfigFolder();
 
-/// An opened scan, recipe or case.
+/// An opened scan, recipe or case, or a session to continue.
 struct RecentFile {
   std::filesystem::path path;  ///< absolute
   bool is_there = false;       ///< at the time the list was read, or of refresh()
@@ -36,14 +36,18 @@ class RecentFiles {
   void refresh();
   /// Puts a file first. Errors: kWriteFailed.
   Expected<void> add(const std::filesystem::path& path);
+  /// Puts `now` first and takes `old` off the list with its picture: a session of a file in place of the file. An `old`
+  /// that is not in the list has no effect. Errors: kWriteFailed.
+  Expected<void> replace(const std::filesystem::path& old, const std::filesystem::path& now);
   /// Takes a file off the list and deletes its picture; the file itself stays. Errors: kWriteFailed.
   Expected<void> forget(std::size_t n);
-  /// Path of a file's picture, existing or not.
+  /// Path of a file's picture, existing or not. A session has its own in its folder.
   std::filesystem::path pictureOf(const std::filesystem::path& path) const;
 
  private:
   Expected<void> write() const;
   void read();
+  std::filesystem::path listPictureOf(const std::filesystem::path& path) const;
   std::filesystem::path folder_;
   std::vector<RecentFile> list_;
 };

@@ -50,6 +50,8 @@ struct AppContext {
   std::function<void(const std::string& text)> set_clipboard{};  ///< null: to standard output
   SettingsFile* settings = nullptr;                              ///< null: settings are not saved
   bool wants_palette = false;
+  /// Asks for the file of a command, then runs it; null: nobody can answer.
+  std::function<void(std::string_view id)> ask_for_file{};
   PanelSwitches panels{};
 };
 

@@ -5,6 +5,8 @@
 #include <charconv>
 #include <string>
 
+#include "sim/run/files/run_manifest.h"
+#include "ui/app/document/document.h"
 #include "ui/app/document/file_history.h"
 #include "ui/app/document/jobs.h"
 #include "ui/app/workbench/imports.h"
@@ -39,6 +41,61 @@ Expected<void> recentForget(AppContext& c, AppWords words) {
   KERF_TRY(n, indexOf(words, c.bench.history->recent().list().size(), false));
   c.bench.history->forgetRecent(n);
   return {};
+}
+
+Expected<void> recentStartOver(AppContext& c, AppWords words) {
+  KERF_TRY(n, indexOf(words, c.bench.history->recent().list().size(), false));
+  const auto& path = c.bench.history->recent().list()[n].path;
+  if (!isRun(path))
+    return fail({.code = Error::Code::kBadValue,
+                 .file = path.string(),
+                 .found = "no session",
+                 .expected = "a session with cuts",
+                 .hint = fmt::format("open the file with recent.open {}", n + 1)});
+  c.bench.sessions->startOver(path);
+  return {};
+}
+
+// ---- Saved sessions
+
+Expected<std::size_t> sessionOf(AppContext& c, AppWords words) {
+  c.bench.history->refreshSessions();
+  return indexOf(words, c.bench.history->sessions().size(), false);
+}
+
+// The open session still needs the folder that it continues.
+Expected<std::size_t> unusedSessionOf(AppContext& c, AppWords words) {
+  KERF_TRY(n, sessionOf(c, words));
+  const auto& folder = c.bench.history->sessions()[n].folder;
+  const LiveRun* const run = c.bench.document->run();
+  if (!run || run->from() != folder) return n;
+  return fail({.code = Error::Code::kUnsupported,
+               .file = folder.string(),
+               .found = "the open session continues it",
+               .expected = "another session",
+               .hint = "end the open session first: file.close"});
+}
+
+Expected<void> sessionOpen(AppContext& c, AppWords words) {
+  KERF_TRY(n, sessionOf(c, words));
+  c.bench.sessions->open(c.bench.history->sessions()[n].folder);
+  return {};
+}
+
+Expected<void> sessionRename(AppContext& c, AppWords words) {
+  KERF_TRY(n, unusedSessionOf(c, words));
+  std::string name;
+  for (std::size_t k = 1; k < words.size(); ++k) name += (k > 1 ? " " : "") + words[k];
+  return c.bench.history->renameSession(n, name);
+}
+
+Expected<void> sessionDelete(AppContext& c, AppWords words) {
+  KERF_TRY(n, unusedSessionOf(c, words));
+  if (words.size() >= 2 && words[1] == "delete") return c.bench.history->deleteSession(n);
+  return fail({.code = Error::Code::kBadValue,
+               .file = c.bench.history->sessions()[n].folder.string(),
+               .found = "no confirmation to delete the session",
+               .expected = "the word delete after the number"});
 }
 
 Expected<void> sessionForget(AppContext& c, AppWords words) {
@@ -80,6 +137,26 @@ Expected<void> exportFile(AppContext& c, AppWords words) {
   return {};
 }
 
+Expected<void> saveAs(AppContext& c, AppWords words) {
+  KERF_TRY(path, pathOf(words));
+  c.bench.sessions->saveAs(path);
+  return {};
+}
+
+Expected<void> save(AppContext& c, AppWords) {
+  if (!c.bench.sessions->savedAs().empty()) {
+    c.bench.sessions->saveAs(c.bench.sessions->savedAs());
+    return {};
+  }
+  if (!c.ask_for_file)
+    return fail({.code = Error::Code::kBadValue,
+                 .found = "the session has no file yet",
+                 .expected = "a session that was saved to a file",
+                 .hint = "file.save-as NAME.kerf"});
+  c.ask_for_file("file.save-as");
+  return {};
+}
+
 Expected<void> closeSession(AppContext& c, AppWords) {
   c.bench.sessions->close();
   return {};
@@ -99,18 +176,30 @@ Expected<void> cancelJob(AppContext& c, AppWords) {
 constexpr AppCommand kRows[] = {
     // The menu shows a scan first: FileChooser turns its file into import.read. A script takes the defaults.
     {"file.open", "File:1", "Open...", "Ctrl+O", "PATH",
-     "Opens a scan, a recipe or a case. Kerf prepares a scan first.", when::isIdle, openFile},
+     "Opens a scan, a recipe, a case or a session. Kerf prepares a scan first.", when::isIdle, openFile},
     {"file.demo", "", "", "", "NAME", "Opens a demo: molar, mandible or arch.", when::isIdle, openDemo},
     {"file.export", "", "", "", "PATH", "Writes the cut object as a mesh, reads it back and checks it.",
      when::isOpenAndIdle, exportFile},
+    {"file.save", "File:3", "Save", "Ctrl+S", "", "Saves the session to its file. Asks for a name the first time.",
+     when::isOpenAndIdle, save},
+    {"file.save-as", "File:3", "Save as...", "Ctrl+Shift+S", "PATH",
+     "Saves the session with its case to one file, NAME.kerf. The session goes on.", when::isOpenAndIdle, saveAs},
     {"file.close", "File:4", "End session", "Ctrl+W", "", "Saves the session as a run for replay and export.",
      when::isOpenAndIdle, closeSession},
+    {"session.list", "File:5", "Sessions...", "", "[on|off]", "Lists the saved sessions.", when::isIdle,
+     switchPanel<"sessions">},
+    {"session.open", "", "", "", "N", "Continues a session of the list. 1 is the newest.", when::isIdle, sessionOpen},
+    {"session.rename", "", "", "", "N NAME", "Renames a session of the list.", when::isIdle, sessionRename},
+    {"session.delete", "", "", "", "N delete", "Permanently deletes a session of the list.", when::isIdle,
+     sessionDelete},
     {"session.recover", "File:4", "Recover session", "", "[N]", "Recovers a session after a crash. 1 is the newest.",
      hasLost, recover},
     {"session.forget", "", "", "", "N delete", "Permanently deletes a lost session and its log.", hasLostSession,
      sessionForget},
-    {"recent.open", "File:6", "Reopen last file", "Ctrl+Shift+O", "[N]", "Opens a recent file. 1 is the newest.",
-     hasRecent, recentOpen},
+    {"recent.open", "File:6", "Reopen last file", "Ctrl+Shift+O", "[N]",
+     "Opens a recent file, or continues a recent session. 1 is the newest.", hasRecent, recentOpen},
+    {"recent.start-over", "", "", "", "N", "Opens the case of a recent session without its cuts.", hasRecent,
+     recentStartOver},
     {"recent.forget", "", "", "", "N", "Removes a file from the list of recent files. The file itself stays.",
      hasRecent, recentForget},
     {"job.cancel", "File:7", "Cancel job", "", "", "Cancels the running job and discards its result.", hasJob,

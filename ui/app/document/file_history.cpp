@@ -20,10 +20,44 @@ FileHistory::FileHistory(const WorkbenchOptions& options, Notices& notices, Jobs
 
 void FileHistory::remember(const fs::path& path) {
   if (!options_.keeps_recent) return;
-  const fs::path demos = options_.data_folder / "demo";
-  const auto [end, rest] = std::mismatch(demos.begin(), demos.end(), path.begin(), path.end());
-  if (end == demos.end()) return;  // the first screen lists our demos anyway
+  opened_.clear();
+  // The first screen has buttons for demos, and for the case of a session.
+  for (const char* const own : {"demo", "cases", "unpacked-cases"}) {
+    const fs::path folder = options_.data_folder / own;
+    if (std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end()) return;
+  }
+  opened_ = path;
   if (const auto added = recent_.add(path); !added) notices_.complain(added.error());
+}
+
+void FileHistory::sessionWritten(const fs::path& folder) {
+  if (!options_.keeps_recent) return;
+  const auto added = opened_.empty() ? recent_.add(folder) : recent_.replace(opened_, folder);
+  opened_ = folder;
+  if (!added) notices_.complain(added.error());
+}
+
+void FileHistory::refreshSessions() { sessions_ = findSessions(options_.data_folder); }
+
+Expected<void> FileHistory::renameSession(std::size_t n, const std::string& name) {
+  const fs::path before = sessions_[n].folder;
+  KERF_TRY(now, kerf::renameSession(options_.data_folder, before, name));
+  refreshSessions();
+  lost_ = findLostSessions(options_.data_folder);
+  const auto isIt = [&](const RecentFile& file) { return file.path == before; };
+  const auto recent = recent_.list();
+  return std::any_of(recent.begin(), recent.end(), isIt) ? recent_.replace(before, now) : Expected<void>{};
+}
+
+Expected<void> FileHistory::deleteSession(std::size_t n) {
+  const fs::path folder = sessions_[n].folder;
+  KERF_CHECK(kerf::deleteSession(options_.data_folder, folder));
+  notices_.say(phrase("Deleted: {}", folder.string()));
+  refreshSessions();
+  lost_ = findLostSessions(options_.data_folder);
+  const auto recent = recent_.list();
+  const auto at = std::find_if(recent.begin(), recent.end(), [&](const auto& file) { return file.path == folder; });
+  return at != recent.end() ? recent_.forget(static_cast<std::size_t>(at - recent.begin())) : Expected<void>{};
 }
 
 void FileHistory::forgetRecent(std::size_t n) {
@@ -83,6 +117,8 @@ void FileHistory::recover(std::size_t n) {
     if (!over) return notices_.complain(over.error());
     const Expected<Recovery>& recovered = over->run;
     if (recovered) {
+      opened_.clear();
+      sessionWritten(folder);
       const Replay& replay = recovered->replay;
       const bool differs = !replay.is_same && replay.checks > 0;
       notices_.add({differs, fmt::format("recovered {:.1f} s, {:.3f} mm3 removed: {}\n{}{}",

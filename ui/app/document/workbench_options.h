@@ -18,7 +18,6 @@ struct WorkbenchOptions {
   RealTimeRequest real_time;       ///< of the haptic thread
   std::string device;              ///< a force-feedback device to open: ArmLead::open(); empty: none
   bool keeps_recent = false;       ///< adds opened files to the list of recent files
-  bool asks_about_runs = false;    ///< asks whether to continue or replay a run: Replays::askedRun()
 };
 
 }  // namespace kerf

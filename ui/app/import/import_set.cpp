@@ -62,10 +62,11 @@ Expected<ImportRead> readToImport(const fs::path& file, const Progress& progress
     case FileKind::kCase:
       break;
     case FileKind::kRun:
+    case FileKind::kSessionFile:
     case FileKind::kTool:
       return fail({.code = Error::Code::kUnsupported,
                    .file = file.string(),
-                   .found = out.kind == FileKind::kRun ? "a session" : "a tool",
+                   .found = out.kind == FileKind::kTool ? "a tool" : "a session",
                    .expected = "scans, label volumes, recipes and cases",
                    .hint = "open it alone"});
   }
@@ -83,6 +84,7 @@ std::string ImportEntry::what() const {
     case FileKind::kScan:
     case FileKind::kTool:
     case FileKind::kRun:
+    case FileKind::kSessionFile:
       break;
   }
   return "scan";

@@ -25,6 +25,8 @@
 #include "sim/run/files/run_manifest.h"
 #include "ui/app/base/language.h"
 #include "ui/app/import/label_plan.h"
+#include "ui/app/import/session_file.h"
+#include "ui/app/import/session_list.h"
 #include "ui/app/view/upright.h"
 
 namespace kerf {
@@ -204,10 +206,10 @@ Expected<fs::path> prepareToStandBeside(const OpenBeside& asked, const OpeningOp
                                         std::vector<std::string>& notes, const Progress& progress) {
   const FileKind kind = kindOf(asked.path);
   if (kind == FileKind::kCase) return asked.path;
-  if (kind == FileKind::kRun || kind == FileKind::kTool)
+  if (kind == FileKind::kRun || kind == FileKind::kSessionFile || kind == FileKind::kTool)
     return fail({.code = Error::Code::kUnsupported,
                  .file = asked.path.string(),
-                 .found = kind == FileKind::kRun ? "a session" : "a tool",
+                 .found = kind == FileKind::kTool ? "a tool" : "a session",
                  .expected = "a scan, a recipe or a case as neighbour",
                  .hint = "open the case of the session as neighbour"});
 
@@ -273,6 +275,7 @@ bool isFolderOfMeshes(const fs::path& path) {
 FileKind kindOf(const fs::path& path) {
   if (isRun(path)) return FileKind::kRun;
   if (isCase(path)) return FileKind::kCase;
+  if (isSessionFile(path)) return FileKind::kSessionFile;
   if (looksLikeTool(path)) return FileKind::kTool;
   if (looksLikeRecipe(path)) return FileKind::kRecipe;
   // A picture in a folder of meshes is no slice.
@@ -301,7 +304,45 @@ fs::path newSessionFolder(const fs::path& data_folder, const std::string& name) 
   return out;
 }
 
+namespace {
+
+// Another run in the same folder with the same content. None: there is none.
+std::optional<fs::path> sameRun(const fs::path& run_folder, const RunManifest& run) {
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(run_folder.parent_path(), ignored)) {
+    const bool is_being_written = entry.path().filename().string().starts_with('.');
+    if (entry.path() == run_folder || is_being_written || !isRun(entry.path())) continue;
+    const auto other = readRunManifest(entry.path());
+    if (!other || other->is_open || other->mode != run.mode || other->case_id != run.case_id) continue;
+    const bool begins_alike = other->begin_sha256 == run.begin_sha256 && other->beside.size() == run.beside.size();
+    if (begins_alike && other->state_hash == run.state_hash) return entry.path();
+  }
+  return {};
+}
+
+// A session of the data folder: its title is the user's name for it.
+bool isOfData(const fs::path& run_folder, const fs::path& data_folder) {
+  std::error_code failed;
+  return fs::equivalent(fs::absolute(run_folder).lexically_normal().parent_path(), data_folder / "sessions", failed);
+}
+
+// Unpacks a session, or finds it from an earlier time.
+Expected<Opened> openFileToCut(const fs::path& file, const OpeningOptions& options, const Progress& progress) {
+  KERF_TRY(run, unpackSession(file, options.data_folder, partOf(progress, 0, 0.3)));
+  KERF_TRY(manifest, readRunManifest(run));
+  const auto known = sameRun(run, manifest);
+  std::error_code ignored;
+  if (known) fs::remove_all(run, ignored);
+  KERF_TRY(opened, openToCut(known.value_or(run), options, partOf(progress, 0.3, 1)));
+  opened.source = file;
+  opened.name = nameOf(file);
+  return std::move(opened);
+}
+
+}  // namespace
+
 Expected<Opened> openToCut(const fs::path& path, const OpeningOptions& options, const Progress& progress) {
+  if (isSessionFile(path)) return openFileToCut(path, options, progress);
   Opened out;
   out.name = nameOf(path);
   out.source = path;
@@ -312,7 +353,7 @@ Expected<Opened> openToCut(const fs::path& path, const OpeningOptions& options, 
     KERF_CHECK(requireEnded(path, before));
     KERF_TRY(folder, caseOfRun(path));
     case_folder = folder;
-    out.name = nameOf(fs::path(before.case_path));
+    out.name = isOfData(path, options.data_folder) ? sessionTitle(path) : nameOf(fs::path(before.case_path));
   } else if (kind != FileKind::kCase) {
     KERF_TRY(prepared, prepare(path, options, partOf(progress, 0, options.beside.empty() ? 0.7 : 0.4)));
     case_folder = prepared.case_folder;
@@ -358,24 +399,6 @@ Expected<Opened> openToCut(const fs::path& path, const OpeningOptions& options, 
   out.run = std::move(run);
   return out;
 }
-
-namespace {
-
-// Another run in the same folder with the same content. None: there is none.
-std::optional<fs::path> sameRun(const fs::path& run_folder, const RunManifest& run) {
-  std::error_code ignored;
-  for (const fs::directory_entry& entry : fs::directory_iterator(run_folder.parent_path(), ignored)) {
-    const bool is_being_written = entry.path().filename().string().starts_with('.');
-    if (entry.path() == run_folder || is_being_written || !isRun(entry.path())) continue;
-    const auto other = readRunManifest(entry.path());
-    if (!other || other->is_open || other->mode != run.mode || other->case_id != run.case_id) continue;
-    const bool begins_alike = other->begin_sha256 == run.begin_sha256 && other->beside.size() == run.beside.size();
-    if (begins_alike && other->state_hash == run.state_hash) return entry.path();
-  }
-  return {};
-}
-
-}  // namespace
 
 Expected<Opened> openBranchToCut(const fs::path& run_folder, const BranchPoint& point, const OpeningOptions& options,
                                  const Progress& progress) {

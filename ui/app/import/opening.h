@@ -26,12 +26,13 @@ struct CloseOptions;
 
 /// Kinds of paths that a user opens.
 enum class FileKind {
-  kScan,    ///< a mesh file, or an unknown one: only reading it tells
-  kLabels,  ///< a label volume of a CT, by its name; or a folder with slices of one and no mesh
-  kRecipe,  ///< combines meshes and labels
-  kCase,    ///< baked already
-  kTool,    ///< for the rack
-  kRun,     ///< an ended session: a new one continues it
+  kScan,         ///< a mesh file, or an unknown one: only reading it tells
+  kLabels,       ///< a label volume of a CT, by its name; or a folder with slices of one and no mesh
+  kRecipe,       ///< combines meshes and labels
+  kCase,         ///< baked already
+  kTool,         ///< for the rack
+  kRun,          ///< an ended session: a new one continues it
+  kSessionFile,  ///< the same, packed into one file (session_file.h)
 };
 /// Reads only a manifest or the first lines.
 FileKind kindOf(const std::filesystem::path& path);
@@ -102,10 +103,10 @@ struct Opened {
 
 /// Opens a case, or prepares a scan or recipe first. Reuses the case of a scan prepared in the same way before. For a
 /// label volume it writes a recipe below the data folder and bakes that. For a run it opens the case with all cuts and
-/// neighbours. One jaw of a pair opens with its partner as a neighbour, if that still exists. The notes name a
-/// neighbour that hardly fits the frame.
-/// Errors: those of reading, closing and loading; kUnsupported for a session that has not ended; kCancelled, which
-/// leaves nothing behind.
+/// neighbours. It unpacks a session file below the data folder first, unless that session is there already. One jaw of
+/// a pair opens with its partner as a neighbour, if that still exists. The notes name a neighbour that hardly fits the
+/// frame. Errors: those of reading, closing and loading; kUnsupported for a session that has not ended; kCancelled,
+/// which leaves nothing behind.
 /// @cost seconds; a jaw at 0.1 mm 10 to 20 s.
 Expected<Opened> openToCut(const std::filesystem::path& path, const OpeningOptions& options,
                            const Progress& progress = {});

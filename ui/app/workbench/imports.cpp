@@ -8,7 +8,6 @@
 #include "ui/app/base/language.h"
 #include "ui/app/document/document.h"
 #include "ui/app/import/import_set.h"
-#include "ui/app/workbench/replays.h"
 #include "ui/app/workbench/sawing.h"
 #include "ui/app/workbench/scene_neighbours.h"
 #include "ui/app/workbench/sessions.h"
@@ -75,7 +74,6 @@ void Imports::update() {
 void Imports::begin(const fs::path& path) {
   if (bench_.jobs->isBusy()) return;
   const FileKind kind = kindOf(path);
-  if (kind == FileKind::kRun && bench_.options().asks_about_runs) return bench_.replays->ask(path);
   if (kind != FileKind::kScan && kind != FileKind::kLabels) return bench_.sessions->open(path);
   read({path}, phrase("reading {}", path.filename().string()), false);
 }
@@ -95,7 +93,8 @@ void Imports::beginAll(const std::vector<fs::path>& paths) {
   if (objects.empty()) return;
   if (objects.size() == 1) return begin(objects.front());
   // A continued run needs no decisions.
-  if (kindOf(objects.front()) == FileKind::kRun) return bench_.sessions->openAll(objects);
+  const FileKind first = kindOf(objects.front());
+  if (first == FileKind::kRun || first == FileKind::kSessionFile) return bench_.sessions->openAll(objects);
   if (!bench_.jobs->isBusy()) read(objects, phrase("reading {} files", objects.size()), false);
 }
 

@@ -41,7 +41,6 @@ Expected<Watched> openToWatch(const fs::path& run_folder, const Progress& progre
 
 void Replays::open(const fs::path& run_folder) {
   if (bench_.jobs->isBusy()) return;
-  asked_.reset();
   const auto work = [run_folder](const Progress& progress) { return openToWatch(run_folder, progress); };
   const auto take = [this](Expected<Watched> loaded) {
     if (!loaded) return bench_.notices->complain(loaded.error());
@@ -59,10 +58,7 @@ void Replays::open(const fs::path& run_folder) {
                               take);
 }
 
-void Replays::opened(Opening /*how*/) {
-  asked_.reset();
-  has_told_of_verdict_ = false;
-}
+void Replays::opened(Opening /*how*/) { has_told_of_verdict_ = false; }
 
 void Replays::update() {
   const WatchedRun* const run = bench_.document->watched();

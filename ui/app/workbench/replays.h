@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 
 #include "geometry/base/error.h"
 #include "ui/app/document/part.h"
@@ -23,17 +22,12 @@ class Replays final : public Part {
   /// Opens the run to continue cutting from the shown moment. Before its end, it keeps that state as a new run first.
   /// Error kUnsupported: the run is seeking another moment.
   Expected<void> goOnCutting();
-  /// A run given to Imports::begin() that awaits the choice of cutting or replay. None in scripts.
-  const std::optional<std::filesystem::path>& askedRun() const { return asked_; }
-  void ask(const std::filesystem::path& run_folder) { asked_ = run_folder; }
-  void forgetAskedRun() { asked_.reset(); }
 
   void opened(Opening how) override;
   void update() override;
 
  private:
   Workbench& bench_;
-  std::optional<std::filesystem::path> asked_;
   bool has_told_of_verdict_ = false;
 };
 

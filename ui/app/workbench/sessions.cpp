@@ -1,14 +1,19 @@
 #include "ui/app/workbench/sessions.h"
 
+#include <algorithm>
 #include <chrono>
 #include <memory>
 #include <thread>
 #include <utility>
 
+#include "sim/run/files/run_files.h"
+#include "sim/run/files/run_manifest.h"
 #include "ui/app/base/language.h"
 #include "ui/app/document/document.h"
 #include "ui/app/document/file_history.h"
 #include "ui/app/document/view_state.h"
+#include "ui/app/import/session_file.h"
+#include "ui/app/import/session_list.h"
 #include "ui/app/session/arm_lead.h"
 #include "ui/app/session/session_result.h"
 #include "ui/app/workbench/force_device.h"
@@ -84,6 +89,21 @@ void Sessions::openDemo(const std::string& name) {
   openBy(phrase("opening the demo {}", shownText(name)), [name, options = openingOptions()](const Progress& progress) {
     return openDemoToCut(name, options, progress);
   });
+}
+
+void Sessions::startOver(const fs::path& run_folder) {
+  const auto load = [run_folder, options = openingOptions()](const Progress& progress) -> Expected<Opened> {
+    KERF_TRY(manifest, readRunManifest(run_folder));
+    KERF_TRY(case_folder, caseOfRun(run_folder));
+    KERF_TRY(others, casesBesideRun(run_folder));
+    OpeningOptions with_others = options;
+    for (std::size_t n = 0; n < others.size(); ++n)
+      with_others.beside.push_back({others[n], manifest.beside[n].name, {}});
+    KERF_TRY(opened, openToCut(case_folder, with_others, progress));
+    opened.name = sessionTitle(run_folder);
+    return std::move(opened);
+  };
+  openBy(phrase("starting over: {}", sessionTitle(run_folder)), load);
 }
 
 void Sessions::openAll(const std::vector<fs::path>& paths) {
@@ -182,6 +202,7 @@ void Sessions::show(Opened& loaded, const Kept* kept) {
         phrase("WARNING: {:.2f} mm3 of added material now count as the tissue around them. The run is from an older "
                "Kerf, which did not save the material.",
                run.addedBefore()));
+  if (!kept) saved_as_ = isSessionFile(bench_.document->source()) ? bench_.document->source() : fs::path();
   bench_.opened(how);
   for (const std::string& note : notes) bench_.notices->say(note);
   if (kept)
@@ -236,7 +257,41 @@ void Sessions::reopen(Reopening wanted) {
   });
 }
 
-// ---- Ending
+// ---- Saving and ending
+
+void Sessions::saveAs(const fs::path& path) {
+  if (bench_.jobs->isBusy() || !bench_.document->isOpen()) return;
+  fs::path file = path;
+  std::error_code ignored;
+  if (file.extension() != ".kerf") {
+    file += ".kerf";
+    // The dialog asked about another name.
+    if (file != saved_as_ && fs::exists(file, ignored))
+      return bench_.notices->complain({.code = Error::Code::kBadValue,
+                                       .file = file.string(),
+                                       .found = "the file exists already",
+                                       .expected = "a new name",
+                                       .hint = "type the whole name to replace it"});
+  }
+  if (const auto& sources = bench_.document->sourcesBeside();
+      std::find(sources.begin(), sources.end(), file) != sources.end())
+    return bench_.notices->complain({.code = Error::Code::kBadValue,
+                                     .file = file.string(),
+                                     .found = "the file of a neighbour",
+                                     .expected = "another name"});
+  const LiveRun& run = *bench_.document->run();
+  auto work = [file, live = run.folder(), from = run.from(),
+               data = bench_.options().data_folder](const Progress& progress) -> Expected<void> {
+    std::this_thread::sleep_for(4 * RecorderOptions{}.write_every);  // the last samples are in the log
+    return saveSession(live, from, data, file, progress);
+  };
+  const auto take = [this, file, generation = bench_.document->generation()](Expected<void> saved) {
+    if (!saved) return bench_.notices->complain(saved.error());
+    if (bench_.document->generation() == generation) saved_as_ = file;
+    bench_.notices->say(phrase("Session saved as one file: {}", file.string()));
+  };
+  bench_.jobs->start<void>(Jobs::Kind::kWrites, phrase("saving {}", file.filename().string()), std::move(work), take);
+}
 
 void Sessions::close() { endRun(false, Tells::kAll); }
 
@@ -269,6 +324,7 @@ void Sessions::takeEnded(Expected<EndedSession> ended, const fs::path& folder, T
   if (!ended) return bench_.notices->complain(ended.error());
   if (ended->failed) bench_.notices->complain(*ended->failed);
   bench_.steps->sessionEnded(*ended, folder);
+  if (has_written_) bench_.history->sessionWritten(folder);
   last_result_ = ended->report;
   if (ended->run && tells == Tells::kAll) tellEnd(*ended, folder);
   if (!ended->run && ended->run.error().code != Error::Code::kEmpty) bench_.notices->complain(ended->run.error());
@@ -293,7 +349,8 @@ void Sessions::endNow() {
   bench_.closing();
   const EndingRun ending = bench_.document->end();
   sendTheRest(*ending.run, left, ending.sent);
-  (void)endSession(*ending.run, dropped, bench_.options().data_folder, ending.name);
+  if (endSession(*ending.run, dropped, bench_.options().data_folder, ending.name).isWritten())
+    bench_.history->sessionWritten(ending.folder);
 }
 
 }  // namespace kerf

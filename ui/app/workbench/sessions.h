@@ -45,12 +45,19 @@ class Sessions final : public Part {
   void open(const std::filesystem::path& path);
   /// Kerf's own anatomy, made at the first request.   @param name  of demoNames().
   void openDemo(const std::string& name);
+  /// Opens the case of a session, with its neighbours, without the cuts. The session stays.
+  void startOver(const std::filesystem::path& run_folder);
   /// Opens the first file for cutting and the others as neighbours, at their scan positions: each a scan, prepared with
   /// the default remedies, a recipe or a case. Tools among them go into the rack. A single file: as Imports::begin().
   /// To let the user decide first: Imports::beginAll().
   void openAll(const std::vector<std::filesystem::path>& paths);
   /// Ends the session and writes the run to Document::sessionFolder(). A job.
   void close();
+  /// Writes the present state of the session to one file, NAME.kerf, while it goes on (saveSession()). A job. Replaces
+  /// the file. Adds a missing ending to the name.
+  void saveAs(const std::filesystem::path& path);
+  /// The file of the open document: of saveAs(), or the opened one. Empty: not saved to a file yet.
+  const std::filesystem::path& savedAs() const { return saved_as_; }
   /// Report of the last ended session. None: nothing was cut in it.
   const std::optional<RunReport>& lastResult() const { return last_result_; }
 
@@ -91,6 +98,7 @@ class Sessions final : public Part {
   Workbench& bench_;
   bool has_written_ = false, has_failed_ = false;  // at the last end of a session
   std::optional<RunReport> last_result_;
+  std::filesystem::path saved_as_;
 };
 
 }  // namespace kerf

@@ -3,8 +3,10 @@
 #include <system_error>
 #include <utility>
 
+#include "sim/run/files/run_manifest.h"
 #include "ui/app/commands/zoom.h"
 #include "ui/app/document/file_history.h"
+#include "ui/app/import/session_list.h"
 #include "ui/window/gl/image.h"
 #include "ui/window/screens/first_screen.h"
 
@@ -13,6 +15,7 @@ namespace kerf {
 void RecentPicture::opened(const Document& document) {
   updateBox(document);
   of_ = document.source();
+  session_ = document.isOpen() ? document.sessionFolder() : std::filesystem::path();
   is_due_ = true;
 }
 
@@ -24,12 +27,17 @@ void RecentPicture::take(LiveView& view, Workbench& bench, const Camera& camera)
   view.hover({});
   auto image = view.picture(bench, fitted, kCardWidth, kCardHeight);
   if (!image) return;
-  writing_ = std::make_unique<Job<void>>(
-      "a picture", [image = std::move(*image), to = bench.history->recent().pictureOf(of_)](const Progress&) {
-        std::error_code ignored;
-        std::filesystem::create_directories(to.parent_path(), ignored);
-        return writePng(to, image);
-      });
+  writing_ = std::make_unique<Job<void>>("a picture",
+                                         [image = std::move(*image), to = bench.history->recent().pictureOf(of_),
+                                          session = session_](const Progress&) -> Expected<void> {
+                                           std::error_code ignored;
+                                           // A session without cuts has no folder any more.
+                                           if (isRun(session)) (void)writePng(session / kSessionPicture, image);
+                                           // An opened session keeps its own picture.
+                                           if (to.filename() == kSessionPicture) return {};
+                                           std::filesystem::create_directories(to.parent_path(), ignored);
+                                           return writePng(to, image);
+                                         });
 }
 
 }  // namespace kerf

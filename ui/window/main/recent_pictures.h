@@ -1,4 +1,4 @@
-// Pictures of recent files, for the cards of the first screen: once after opening, and again when leaving.
+// Pictures of recent files and sessions, for the cards of the first screen: once after opening, and again when leaving.
 #pragma once
 
 #include <filesystem>
@@ -28,7 +28,7 @@ class RecentPicture {
 
  private:
   bool is_due_ = false;
-  std::filesystem::path of_;  // the document, and its box
+  std::filesystem::path of_, session_;  // the document, its session folder (empty: a replay), and its box
   Box3 box_;
   std::unique_ptr<Job<void>> writing_;
 };

@@ -117,6 +117,7 @@ class Workshop {
       glfwSetClipboardString(desktop_.window(), text.c_str());
     };
     context_.asks_before_quit = true;
+    context_.ask_for_file = [this](std::string_view id) { askForFile(*findAppCommand(id)); };
     panels_.ask_for_file = [this](const AppCommand& command) { askForFile(command); };
     if (settings_.error()) bench_.notices->complain(*settings_.error());
     say(showLanguage(settings_.values.language, settings_.path().parent_path()));
@@ -142,7 +143,6 @@ class Workshop {
  private:
   static WorkbenchOptions remembering(WorkbenchOptions options) {
     options.keeps_recent = true;
-    options.asks_about_runs = true;
     return options;
   }
 
@@ -396,10 +396,12 @@ class Workshop {
     const bool is_enter = e.key == GLFW_KEY_ENTER || e.key == GLFW_KEY_KP_ENTER;
     if (is_enter || e.key == GLFW_KEY_ESCAPE)
       if (quitQuestionKey(context_, is_enter) || exportPanelKey(context_, is_enter)) return;
-    if (context_.panels["settings"] && e.key == GLFW_KEY_ESCAPE) {
-      context_.panels["settings"] = false;
-      return;
-    }
+    for (const char* const panel : {"settings", "sessions"})
+      if (context_.panels[panel] && e.key == GLFW_KEY_ESCAPE) {
+        // A question of the list takes the key itself.
+        context_.panels[panel] = panel == std::string_view("sessions") && panels_.sessions.isAsking();
+        return;
+      }
     const bool is_alt = e.key == GLFW_KEY_LEFT_ALT || e.key == GLFW_KEY_RIGHT_ALT;
     if (is_alt && !e.is_repeated) return stroke_.tapAlt(context_, e.s);
     if (!is_text && leadsStroke(e)) return;

@@ -98,7 +98,7 @@ constexpr Panel kPanels[] = {
     // The last one of a cut: taking a branch ends the session.
     {"timeline", "", Screen::kCut, kOwn, [](PanelFrame& f) { drawTimeline(f.context); }},
     {"device", "", Screen::kAny, kOwn, [](PanelFrame& f) { drawDevicePanel(f.context, f.state.devices); }},
-    {"run", "", Screen::kAny, kOwn, [](PanelFrame& f) { drawRunQuestion(f.context); }},
+    {"sessions", "", Screen::kAny, kOwn, [](PanelFrame& f) { drawSessions(f.context, f.state.sessions); }},
     {"settings", "", Screen::kAny, kOwn, [](PanelFrame& f) { drawSettings(f.context); }},
     {"quit", "", Screen::kAny, kOwn, [](PanelFrame& f) { drawQuitQuestion(f.context); }},
     {"job", "", Screen::kAny, kOwn, [](PanelFrame& f) { drawJob(f.context); }},

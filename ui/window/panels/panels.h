@@ -12,6 +12,7 @@
 #include "ui/window/panels/import_panel.h"
 #include "ui/window/panels/pieces_panel.h"
 #include "ui/window/panels/saw_panel.h"
+#include "ui/window/panels/sessions_panel.h"
 #include "ui/window/panels/tool_panel.h"
 #include "ui/window/screens/first_screen.h"
 
@@ -28,6 +29,7 @@ struct PanelState {
   double pixels = 1;  ///< of the picture per window unit
   ImportPanelState import;
   FirstScreen first;
+  SessionsPanelState sessions;
   SawPanelState saw{};
   DevicePanelState devices{};
 };

@@ -12,7 +12,6 @@
 #include "ui/app/document/document.h"
 #include "ui/app/document/jobs.h"
 #include "ui/app/workbench/replays.h"
-#include "ui/app/workbench/sessions.h"
 #include "ui/app/workbench/tool_monitor.h"
 #include "ui/app/workbench/tools.h"
 #include "ui/window/frame/panel_column.h"
@@ -165,40 +164,6 @@ void drawReplayMoment(PanelFrame& frame) {
   reading("Removed", fmt::format("{:.2f}", bench.document->removedMm3()), "mm3");
   reading("Pieces", fmt::format("{}", report.object_count), "");
   drawSections(frame);
-}
-
-void drawRunQuestion(AppContext& context) {
-  Workbench& bench = context.bench;
-  constexpr const char* kTitle = "Open a saved session###run-question";
-  if (!bench.replays->askedRun()) return;
-  if (!ui::isPopupOpen(kTitle)) ui::openPopup(kTitle);
-  ImGui::SetNextWindowSize({scaled(460), 0});
-  if (!ui::beginPopupModal(kTitle, nullptr, ImGuiWindowFlags_NoResize)) return;
-
-  const std::filesystem::path run = *bench.replays->askedRun();
-  ImGui::PushTextWrapPos(0);
-  ui::text(ui::asItIs(run.string()));
-  ui::textColored(styleColours().quiet,
-                  "Continue opens the cut object in a new session. Replay plays the recorded session.");
-  ImGui::PopTextWrapPos();
-  ImGui::Dummy({0, scaled(4)});
-  bool is_over = false;
-  if (strongButton("Continue", "", scaled(135))) {
-    bench.sessions->open(run);
-    is_over = true;
-  }
-  ImGui::SameLine();
-  if (plainButton("Replay", "", scaled(135))) {
-    bench.replays->open(run);
-    is_over = true;
-  }
-  ImGui::SameLine();
-  is_over |= plainButton("Cancel", "Esc", -1) || ImGui::IsKeyPressed(ImGuiKey_Escape);
-  if (is_over) {
-    bench.replays->forgetAskedRun();
-    ImGui::CloseCurrentPopup();
-  }
-  ImGui::EndPopup();
 }
 
 }  // namespace kerf

@@ -199,11 +199,11 @@ int main(int argc, char** argv) try {
       "Mouse: left cuts, right turns, middle moves, wheel zooms. Keys and commands: kerf help window.");
   app.name("kerf-sim");
   app.set_version_flag("--version", kerf::versionText("kerf-sim", KERF_WINDOW_LIBRARIES));
-  app.add_option(
-         "scene", a.scenes,
-         "a mesh file (" + kerf::readableFormats() +
-             "), a case folder or a run folder; of several, the first is the object to cut, the others are neighbours")
-      ->type_name("MESH|CASE|RUN");
+  app.add_option("scene", a.scenes,
+                 "a mesh file (" + kerf::readableFormats() +
+                     "), a case folder, a run folder or a session file (.kerf) to continue; of several, the first is "
+                     "the object to cut, the others are neighbours")
+      ->type_name("MESH|CASE|RUN|SESSION");
   app.add_option("--script", a.script, "run the commands of a file instead of opening a window; needs no display")
       ->type_name("FILE");
   app.add_option("--replay", a.replay, "replay an ended session from the beginning; kerf-sim RUN continues it")

@@ -64,7 +64,7 @@ bool FileBrowser::isListed(const Entry& entry) const {
   if (entry.is_folder) return true;
   const std::string ending = fs::path(entry.name).extension().string();
   const MeshFormatRow* const format = formatOfExtension(ending);
-  return (format && format->read) || (purpose_ == Purpose::kOpen && ending == ".toml");
+  return (format && format->read) || ending == ".kerf" || (purpose_ == Purpose::kOpen && ending == ".toml");
 }
 
 // @param adds  toggles the entry in the choice; else it becomes the only one.
@@ -130,7 +130,7 @@ std::optional<fs::path> FileBrowser::draw() {
   if (purpose_ == Purpose::kSave && ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
   ui::inputText("##name", name_, sizeof(name_));
   if (asked_ != name_) asked_.clear();
-  const char* const verb = purpose_ == Purpose::kOpen ? "Open" : !asked_.empty() ? "Replace" : "Export";
+  const char* const verb = purpose_ == Purpose::kOpen ? "Open" : !asked_.empty() ? "Replace" : save_label_;
   const bool is_entered = std::exchange(is_accepted_, false);
   if ((ui::button(verb, {scaled(110), 0}) || is_entered) && name_[0] != 0) {
     std::error_code ignored;

@@ -14,6 +14,8 @@ class FileBrowser {
   /// Shows the browser at the next draw(). @param name  suggested, for kSave.   @param takes_several  Ctrl and a click
   /// choose further files: takeOthers().
   void show(Purpose purpose, const std::string& name = {}, bool takes_several = false);
+  /// Label of the button for Purpose::kSave, in English.
+  void setSaveLabel(const char* label) { save_label_ = label; }
   bool isShown() const { return is_shown_; }
   /// Current folder, and the first one at the next show. Setting a missing folder changes nothing.
   const std::filesystem::path& folder() const { return folder_; }
@@ -36,6 +38,7 @@ class FileBrowser {
   void choose(const Entry& entry, bool adds);
 
   Purpose purpose_ = Purpose::kOpen;
+  const char* save_label_ = "Export";
   bool is_shown_ = false, wants_popup_ = false, takes_several_ = false;
   bool is_accepted_ = false, is_escaped_ = false;  // since the last frame
   std::filesystem::path folder_ = std::filesystem::current_path();

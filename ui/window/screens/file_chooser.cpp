@@ -28,8 +28,12 @@ bool takesSeveral(const AppCommand& command) { return command.id == "file.open";
 std::string suggestedName(const AppContext& context, const AppCommand& command) {
   if (isToOpen(command)) return "";
   if (command.id == "export.to") return context.bench.exporting->file().filename().string();
+  if (command.id == "file.save-as") return context.bench.document->name() + ".kerf";
   return context.bench.document->name() + "-cut.stl";
 }
+
+// A session is looked for where Kerf writes them. That folder is not kept for other files.
+bool isOfSessions(const AppCommand& command) { return command.id == "replay.open"; }
 
 std::optional<std::uint32_t> chosenPiece(const AppContext& context) {
   const SceneObject* const piece = context.bench.pieces->chosen();
@@ -43,6 +47,11 @@ void FileChooser::ask(AppContext& context, const AppCommand& command) {
   asked_for_ = &command;
   generation_ = context.bench.document->generation();
   piece_ = chosenPiece(context);
+  if (before_sessions_) browser_.setFolder(*std::exchange(before_sessions_, std::nullopt));
+  if (isOfSessions(command)) {
+    before_sessions_ = browser_.folder();
+    browser_.setFolder(context.bench.options().data_folder / "sessions");
+  }
   const bool is_own = context.settings && context.settings->values.has_own_dialog;
   if (is_own || !SystemDialog::program()) return askInside(context);
 
@@ -66,6 +75,7 @@ void FileChooser::ask(AppContext& context, const AppCommand& command) {
 void FileChooser::askInside(const AppContext& context) {
   browser_.show(isToOpen(*asked_for_) ? FileBrowser::Purpose::kOpen : FileBrowser::Purpose::kSave,
                 suggestedName(context, *asked_for_), takesSeveral(*asked_for_));
+  browser_.setSaveLabel(asked_for_->id == "file.save-as" ? "Save" : "Export");
 }
 
 void FileChooser::update(AppContext& context) {
@@ -92,6 +102,7 @@ void FileChooser::takeAnswer(AppContext& context) {
 
 void FileChooser::keepFolder(AppContext& context, const fs::path& folder) {
   browser_.setFolder(folder);
+  if (asked_for_ && isOfSessions(*asked_for_)) return;
   if (!context.settings || folder == context.settings->values.last_folder) return;
   context.settings->values.last_folder = folder;
   if (const auto kept = context.settings->save(); !kept && !context.settings->error())
@@ -107,7 +118,7 @@ void FileChooser::take(AppContext& context, std::vector<fs::path> files) {
          .file = files.front().string(),
          .found = "the open object or the chosen piece changed after the dialog opened",
          .expected = "no change; Kerf wrote nothing",
-         .hint = "export again"});
+         .hint = "choose the command again"});
   const bool is_open = asked_for_->id == "file.open";
   if (is_open && files.size() > 1 && asked_for_->is_enabled(context)) return context.bench.imports->addMore(files);
   // In a script file.open takes the defaults.

@@ -38,6 +38,7 @@ class FileChooser {
 
   FileBrowser browser_;
   SystemDialog dialog_;
+  std::optional<std::filesystem::path> before_sessions_;  // folder of the browser before it was that of the sessions
   const AppCommand* asked_for_ = nullptr;
   // Workbench::generation() when the dialog opened: the window stays usable meanwhile.
   std::uint64_t generation_ = 0;

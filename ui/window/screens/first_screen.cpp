@@ -1,6 +1,5 @@
 #include "ui/window/screens/first_screen.h"
 
-#include <epoxy/gl.h>
 #include <imgui.h>
 
 #include <algorithm>
@@ -8,12 +7,13 @@
 #include <string>
 #include <utility>
 
+#include "sim/run/files/run_manifest.h"
 #include "ui/app/base/language.h"
 #include "ui/app/document/file_history.h"
 #include "ui/app/document/jobs.h"
+#include "ui/app/import/session_list.h"
 #include "ui/app/workbench/imports.h"
 #include "ui/app/workbench/sessions.h"
-#include "ui/window/gl/image.h"
 #include "ui/window/gl/theme.h"
 #include "ui/window/gl/widgets.h"
 
@@ -23,8 +23,6 @@ namespace {
 namespace fs = std::filesystem;
 constexpr std::size_t kShown = 6, kColumns = 3;
 constexpr const char* kForget = "Delete the log?###forget-session";
-
-void* handleOf(unsigned texture) { return reinterpret_cast<void*>(static_cast<std::uintptr_t>(texture)); }
 
 // The end of a text, as far as it fits: the last folders tell more than the first.
 std::string endThatFits(const std::string& text, float width) {
@@ -39,33 +37,8 @@ std::string endThatFits(const std::string& text, float width) {
 
 }  // namespace
 
-FirstScreen::~FirstScreen() {
-  for (const auto& [path, texture] : textures_)
-    if (texture) glDeleteTextures(1, &texture);
-}
-
-unsigned FirstScreen::textureOf(const fs::path& picture) {
-  const auto [entry, is_new] = textures_.try_emplace(picture, 0);
-  if (!is_new) return entry->second;
-  const auto image = readPng(picture);
-  if (!image) return 0;
-
-  GLint bound = 0;
-  glGetIntegerv(GL_TEXTURE_BINDING_2D, &bound);
-  glGenTextures(1, &entry->second);
-  glBindTexture(GL_TEXTURE_2D, entry->second);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA, image->width, image->height, 0, GL_RGBA, GL_UNSIGNED_BYTE,
-               image->rgba.data());
-  glBindTexture(GL_TEXTURE_2D, static_cast<GLuint>(bound));
-  return entry->second;
-}
-
 void FirstScreen::refresh(AppContext& context) {
-  for (const auto& [path, texture] : textures_)
-    if (texture) glDeleteTextures(1, &texture);
-  textures_.clear();
+  pictures_.clear();
   context.bench.history->recent().refresh();
 }
 
@@ -95,7 +68,7 @@ void FirstScreen::draw(AppContext& context, const std::function<void(const AppCo
   ImGui::PushTextWrapPos(0);
   ui::textColored(
       styleColours().quiet,
-      "STL, PLY, OBJ, OFF or 3MF, a recipe, a case, or a run to continue or replay. Kerf never changes the file.");
+      "STL, PLY, OBJ, OFF or 3MF, a recipe, a case, or a session to continue. Kerf never changes the file.");
   ImGui::PopTextWrapPos();
   ImGui::Dummy({0, scaled(2)});
   if (strongButton("Open file...", "Ctrl+O", scaled(230))) ask_for_file(*findAppCommand("import.read"));
@@ -159,7 +132,9 @@ void FirstScreen::drawLost(AppContext& context) {
 void FirstScreen::drawRecent(AppContext& context) {
   const std::size_t count = std::min(context.bench.history->recent().list().size(), kShown);
   if (count == 0) return;
-  heading("Recent files");
+  heading("Recent files and sessions");
+  ImGui::SameLine(ImGui::GetContentRegionMax().x - scaled(130));
+  if (ui::button("All sessions...", {scaled(130), 0})) runIfEnabled(context, "session.list");
   const float gap = scaled(12);
   const float width = (ImGui::GetContentRegionAvail().x - (kColumns - 1) * gap) / kColumns;
   for (std::size_t n = 0; n < count && n < context.bench.history->recent().list().size(); ++n) {
@@ -190,15 +165,18 @@ void FirstScreen::drawCard(AppContext& context, std::size_t n, float width) {
   ImDrawList& list = *ImGui::GetWindowDrawList();
   list.AddRectFilled(at, end, ImGui::GetColorU32(is_hovered ? ImGuiCol_ButtonHovered : ImGuiCol_FrameBg), rounding);
   const ImU32 tint = file.is_there ? IM_COL32_WHITE : IM_COL32(255, 255, 255, 90);
-  if (const unsigned texture = textureOf(bench.history->recent().pictureOf(file.path)))
-    list.AddImageRounded(handleOf(texture), at, {end.x, at.y + height}, {0, 0}, {1, 1}, tint, rounding,
+  if (const ImTextureID picture = pictures_.of(bench.history->recent().pictureOf(file.path)))
+    list.AddImageRounded(picture, at, {end.x, at.y + height}, {0, 0}, {1, 1}, tint, rounding,
                          ImDrawFlags_RoundCornersTop);
   const float inside = width - 2 * pad;
-  const std::string name = endThatFits(file.path.filename().string(), inside);
+  const bool is_session = file.is_there && isRun(file.path);
+  const std::string title = is_session ? sessionTitle(file.path) : file.path.filename().string();
+  const std::string name = endThatFits(title, inside);
   ui::addText(list, {at.x + pad, at.y + height + 0.5f * pad}, ImGui::GetColorU32(ImGuiCol_Text), ui::asItIs(name));
   const ImVec4 quiet = file.is_there ? colours.quiet : colours.warning;
-  const std::string folder =
-      file.is_there ? endThatFits(file.path.parent_path().string(), inside) : shownText("file not found");
+  const std::string folder = is_session      ? sessionDate(file.path)
+                             : file.is_there ? endThatFits(file.path.parent_path().string(), inside)
+                                             : shownText("file not found");
   ui::addText(list, {at.x + pad, at.y + height + 0.5f * pad + line}, ImGui::ColorConvertFloat4ToU32(quiet),
               ui::asItIs(folder));
 
@@ -209,11 +187,31 @@ void FirstScreen::drawCard(AppContext& context, std::size_t n, float width) {
     if (ui::button("Remove", {scaled(66), 0}))
       runIfEnabled(context, "recent.forget", std::vector<std::string>{std::to_string(n + 1)});
     ImGui::SetCursorScreenPos(next);
+  } else if (is_session) {
+    drawSessionButtons(context, n, is_clicked, {at.x + pad, at.y + height - scaled(42)}, inside);
   } else if (is_clicked) {
     runIfEnabled(context, "recent.open", std::vector<std::string>{std::to_string(n + 1)});
   }
   ImGui::EndGroup();
   ImGui::PopID();
+}
+
+// On the picture. A click beside them continues, too.
+void FirstScreen::drawSessionButtons(AppContext& context, std::size_t n, bool is_clicked, const ImVec2& at,
+                                     float width) {
+  const ImVec2 next = ImGui::GetCursorScreenPos();
+  const std::vector<std::string> words{std::to_string(n + 1)};
+  ImGui::SetItemAllowOverlap();
+  ImGui::SetCursorScreenPos(at);
+  const bool continues = strongButton("Continue", "", width - scaled(96));
+  ImGui::SameLine(0, scaled(6));
+  ImGui::SetCursorScreenPos({at.x + width - scaled(90), at.y + scaled(34) - ImGui::GetFrameHeight()});
+  const bool starts_over = ui::button("Start over", {scaled(90), 0});
+  ImGui::SetCursorScreenPos(next);
+  if (starts_over)
+    runIfEnabled(context, "recent.start-over", words);
+  else if (continues || is_clicked)
+    runIfEnabled(context, "recent.open", words);
 }
 
 }  // namespace kerf

@@ -1,12 +1,13 @@
-// The screen while no document is open: drop target, recent files with pictures, demos, lost sessions.
+// The screen while no document is open: drop target, recent files and sessions with pictures, demos, lost sessions.
 #pragma once
 
-#include <filesystem>
+#include <imgui.h>
+
 #include <functional>
-#include <map>
 #include <optional>
 
 #include "ui/app/commands/app_commands.h"
+#include "ui/window/gl/picture_textures.h"
 
 namespace kerf {
 
@@ -16,11 +17,6 @@ inline constexpr int kCardWidth = 320, kCardHeight = 200;
 /// Owns textures: its OpenGL context is current in every call, the destructor included.
 class FirstScreen {
  public:
-  FirstScreen() = default;
-  ~FirstScreen();
-  FirstScreen(const FirstScreen&) = delete;
-  FirstScreen& operator=(const FirstScreen&) = delete;
-
   /// @param ask_for_file  asks for a path, then runs the command with it.
   void draw(AppContext& context, const std::function<void(const AppCommand&)>& ask_for_file);
   /// Reloads pictures and drops files that no longer exist.
@@ -30,9 +26,9 @@ class FirstScreen {
   void drawLost(AppContext& context);
   void drawRecent(AppContext& context);
   void drawCard(AppContext& context, std::size_t n, float width);
-  unsigned textureOf(const std::filesystem::path& picture);
+  void drawSessionButtons(AppContext& context, std::size_t n, bool is_clicked, const ImVec2& at, float width);
 
-  std::map<std::filesystem::path, unsigned> textures_;  // 0: no picture
+  PictureTextures pictures_;
   bool was_drawn_ = false;
   std::optional<std::size_t> asks_to_forget_;  // a lost session
 };
