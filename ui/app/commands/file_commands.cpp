@@ -10,6 +10,8 @@
 #include "ui/app/document/file_history.h"
 #include "ui/app/document/jobs.h"
 #include "ui/app/workbench/imports.h"
+#include "ui/app/workbench/results.h"
+#include "ui/app/workbench/sessions.h"
 
 namespace kerf::file_commands {
 namespace {

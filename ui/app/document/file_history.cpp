@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "sim/run/session/run_branch.h"
+#include "sim/run/session/session_run.h"
 #include "ui/app/base/language.h"
 
 namespace kerf {
