@@ -181,10 +181,25 @@ Expected<std::vector<Plane>> planesAround(const Mesh& above, const Vec3d& point)
 
 // ---- The cut
 
+// The space above all planes, within a box larger than the object.
+Expected<Mesh> roomAbove(const Box3& box, std::span<const Plane> planes) {
+  Convex room = boxAround(box);
+  for (const Plane& plane : planes) room = clipped(room, plane);
+  if (room.faces.size() < 4) return fail(noRoom());
+  return meshOf(room);
+}
+
 struct Attempt {
   PlaneCut cut;
   std::string why_not;
 };
+
+// Half of the kerf is on either side of a plane: above on the side of the normal.
+std::vector<Plane> movedBy(std::span<const Plane> planes, double mm) {
+  std::vector<Plane> out(planes.begin(), planes.end());
+  for (Plane& plane : out) plane.point += mm * plane.normal;
+  return out;
+}
 
 double flatnessOf(const PostOpMesh& part, std::span<const Plane> planes) {
   double worst = 0;
@@ -204,10 +219,22 @@ double flatnessOf(const PostOpMesh& part, std::span<const Plane> planes) {
 
 // A run's mesh has cut faces already: faces of the source keep their colours; faces of this cut are known by their
 // origin.
-Expected<Attempt> attemptCut(const Mesh& source, const Mesh& room, std::span<const Plane> planes,
-                             const PostOpOptions& options) {
+// @param around  further planes of the room, without a kerf.
+Expected<Attempt> attemptCut(const Mesh& source, const Box3& box, std::span<const Plane> planes,
+                             std::span<const Plane> around, double kerf_mm, const PostOpOptions& options) {
+  const auto roomOf = [&](std::span<const Plane> faces) {
+    std::vector<Plane> all(faces.begin(), faces.end());
+    all.insert(all.end(), around.begin(), around.end());
+    return roomAbove(box, all);
+  };
+  const std::vector<Plane> above_faces = movedBy(planes, kerf_mm / 2), rest_faces = movedBy(planes, -kerf_mm / 2);
+  KERF_TRY(room, roomOf(above_faces));
   KERF_TRY(inside, intersect(source, room));
-  KERF_TRY(outside, subtract(source, room, Reach::kWhole));  // the same points as of the inside
+  if (kerf_mm > 0) {
+    KERF_TRY(wider, roomOf(rest_faces));
+    room = std::move(wider);
+  }
+  KERF_TRY(outside, subtract(source, room, Reach::kWhole));  // without a kerf the same points as of the inside
   if (inside.mesh.triangles.empty()) return fail(notMet(source, planes, true));
   if (outside.mesh.triangles.empty()) return fail(notMet(source, planes, false));
 
@@ -218,16 +245,8 @@ Expected<Attempt> attemptCut(const Mesh& source, const Mesh& room, std::span<con
   out.why_not = !above.why_not.empty() ? above.why_not : rest.why_not;
   out.cut.above = std::move(above.result);
   out.cut.rest = std::move(rest.result);
-  out.cut.flatness_mm = std::max(flatnessOf(out.cut.above, planes), flatnessOf(out.cut.rest, planes));
+  out.cut.flatness_mm = std::max(flatnessOf(out.cut.above, above_faces), flatnessOf(out.cut.rest, rest_faces));
   return out;
-}
-
-// The space above all planes, within a box larger than the object.
-Expected<Mesh> roomAbove(const Box3& box, std::span<const Plane> planes) {
-  Convex room = boxAround(box);
-  for (const Plane& plane : planes) room = clipped(room, plane);
-  if (room.faces.size() < 4) return fail(noRoom());
-  return meshOf(room);
 }
 
 Expected<std::vector<Plane>> normalized(std::span<const Plane> planes) {
@@ -254,6 +273,11 @@ Expected<std::vector<Plane>> normalized(std::span<const Plane> planes) {
 Expected<PlaneCut> cutByPlanes(const Mesh& source, std::span<const Plane> asked, const PlaneCutOptions& options,
                                const Progress& progress) {
   KERF_TRY(planes, normalized(asked));
+  if (!(options.kerf_mm >= 0) || !std::isfinite(options.kerf_mm))
+    return fail({.code = Error::Code::kBadValue,
+                 .place = "kerf",
+                 .found = fmt::format("{} mm", options.kerf_mm),
+                 .expected = "0 mm or more"});
   Box3 box = bounds(source);
   // Sides that are no multiple of anything: a face of the box and one of the object must not lie in one plane.
   box.grow(0.1 * box.size().norm() + 1.0123);
@@ -287,13 +311,7 @@ Expected<PlaneCut> cutByPlanes(const Mesh& source, std::span<const Plane> asked,
   for (int n = 1; n <= kAttempts; ++n) {
     if (!report(progress, (n - 1) / double{kAttempts}, "cutting")) return cancelled();
     const double shift = (n % 2 ? 1 : -1) * (n / 2) * kShift;
-    std::vector<Plane> shifted = planes;
-    for (Plane& plane : shifted) plane.point += shift * plane.normal;
-    const std::vector<Plane> cutting = shifted;
-    shifted.insert(shifted.end(), around.begin(), around.end());
-    KERF_TRY(room, roomAbove(box, shifted));
-
-    auto tried = attemptCut(source, room, cutting, options.post_op);
+    auto tried = attemptCut(source, box, movedBy(planes, shift), around, options.kerf_mm, options.post_op);
     if (tried && tried->why_not.empty()) {
       tried->cut.attempts = n;
       tried->cut.shift_mm = std::abs(shift);

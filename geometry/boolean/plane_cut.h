@@ -17,6 +17,8 @@ namespace kerf {
 struct PlaneCutOptions {
   /// Cuts off only the piece above all planes nearest to this point; other pieces stay with the rest.
   std::optional<Vec3d> piece_at;
+  /// Width of material lost along the planes, mm: each part ends half of it away from them.
+  double kerf_mm = 0;
   PostOpOptions post_op;
 };
 
@@ -31,7 +33,7 @@ struct PlaneCut {
 /// Both parts hold the guarantees of postOperativeMesh(): uncut vertices stay bit for bit; the result is closed,
 /// 2-manifold and free of self-intersections after rounding to float32. Otherwise an error.
 /// @param planes  at least one, at most kMostCutPlanes; normals of any length but 0.   @pre source: as in
-/// postOperativeMesh(). Errors: kBadValue for a plane without direction or not finite; kEmpty if nothing lies above, or
+/// postOperativeMesh(). Errors: kBadValue for a plane without direction or not finite, or a negative kerf; kEmpty if nothing lies above, or
 /// nothing below, with the heights of the solid; kGeometry for planes without common space, for pieces too close to
 /// separate (`piece_at`), and if float32 has no such mesh.
 /// @cost  about 0.5 s for 100k triangles. @thread any; deterministic.

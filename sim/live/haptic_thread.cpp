@@ -213,7 +213,9 @@ void HapticThread::State::pauseFor(const Work& work) noexcept {
 }
 
 bool HapticThread::State::handleCommands() noexcept {
-  if (maker && maker->hasFrozen()) return false;  // they wait
+  if (maker && maker->isBusy()) return false;  // they wait
+  if (maker)
+    if (const auto is_cut = maker->takeAnswer()) ++(*is_cut ? report.counts.commands_done : report.counts.commands_refused);
   bool has_paused = false;
   Command next;
   for (int n = 0; n < kCommandsATick && commands.pop(next); ++n) {
@@ -221,6 +223,8 @@ bool HapticThread::State::handleCommands() noexcept {
     if (std::holds_alternative<Undo>(next) || std::holds_alternative<Redo>(next)) {
       is_done = undoOrRedo(next);
       has_paused |= is_done;
+    } else if (const auto* const cut = std::get_if<CutByPlanes>(&next)) {
+      if (maker && maker->order(session, *cut)) break;  // the others wait for it
     } else if (rowOf(next).maySend(CommandSender::kUser)) {
       is_done = session.applyWithin(next);
       if (is_done && std::holds_alternative<PlaceTool>(next)) device->placed(session.state().body.pose);

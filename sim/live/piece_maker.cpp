@@ -7,6 +7,7 @@
 #include <new>
 
 #include "sim/live/realtime.h"
+#include "sim/pieces/plane_parts.h"
 
 namespace kerf {
 namespace {
@@ -119,6 +120,11 @@ bool PieceMaker::watch() {
     const std::uint64_t cuts = cuts_.load(std::memory_order_acquire);  // before their bricks are taken
     const std::int64_t taken_at = monotonicNow();
     collectBricks();
+    if (is_ordered_.load(std::memory_order_acquire)) {
+      requestOrdered();
+      moveOn(Stage::kWantsFreeze);
+      return true;
+    }
     if (!isSearchDue(cuts)) return false;
 
     seen_cuts_ = cuts;
@@ -196,6 +202,13 @@ void PieceMaker::requestSplit(const Subscriber& subscriber) {
   request_.whole_at_ns = subscriber.whole_at;
 }
 
+void PieceMaker::requestOrdered() {
+  request_ = {};
+  request_.id = ordered_id_;
+  request_.is_order = true;
+  request_.whole_at_ns = monotonicNow();
+}
+
 // Its last bricks may exceed the feed's size.
 void PieceMaker::drainRequested() {
   try {
@@ -207,13 +220,15 @@ void PieceMaker::drainRequested() {
 void PieceMaker::makeRequested() {
   Subscriber& whole = *find(request_.id);
   try {
-    if (options_.on_apart) options_.on_apart(whole.id);
+    if (options_.on_apart && !request_.is_order) options_.on_apart(whole.id);
   } catch (...) {
   }
 
   // Without memory the object stays unchanged, and is tried again.
   try {
     whole.feed.drain(whole.edits);  // some may have been taken before
+    if (!whole.finder) whole.finder = finderOf(*whole.origin, options_.pieces);
+    whole.origin.reset();
     whole.finder->apply(whole.edits);
     whole.edits.clear();
     preparePieces(whole);
@@ -227,10 +242,16 @@ void PieceMaker::makeRequested() {
 }
 
 void PieceMaker::preparePieces(Subscriber& whole) {
-  request_.made = makePieces(*request_.whole, *whole.finder, request_.first_id, request_.most,
-                             &pools_[whole.baked.get()], options_.is_parallel);
+  if (request_.is_order) {
+    request_.made = makePlaneParts(*request_.whole, order_.planes, static_cast<PlaneKeep>(order_.keep),
+                                   request_.first_id, request_.first_id, options_.is_parallel);
+  } else {
+    request_.made = makePieces(*request_.whole, *whole.finder, request_.first_id, request_.most,
+                               &pools_[whole.baked.get()], options_.is_parallel);
+  }
   crumbs_from_ = monotonicNow() + kCrumbPause;
-  request_.is_apart = !request_.made && whole.finder->find().pieces.size() > request_.most;
+  request_.is_apart =
+      !request_.made && !request_.is_order && whole.finder->find().pieces.size() > request_.most;
   if (!request_.made || !request_.made->parts) return;
 
   for (std::size_t n = 0; n < request_.made->origins.size(); ++n) {
@@ -251,8 +272,11 @@ void PieceMaker::settle() {
   const Answer answer = request_.answer;
   if (request_.made) settlePieces(answer == Answer::kDone);
 
-  // A failed request returns with the next cut or by itself.
-  if (Subscriber* const s = find(request_.id); s && answer != Answer::kGone) {
+  // A failed request returns with the next cut or by itself; a failed order does not.
+  if (request_.is_order) {
+    if (answer == Answer::kDone) searchOrdered();
+    is_ordered_.store(false, std::memory_order_release);
+  } else if (Subscriber* const s = find(request_.id); s && answer != Answer::kGone) {
     s->is_changed |= answer != Answer::kDone;
     must_scan_again_ |= answer == Answer::kInAMoment;
     if (answer == Answer::kInAMoment) s->not_before = monotonicNow() + kCrumbPause;
@@ -260,6 +284,16 @@ void PieceMaker::settle() {
 
   request_ = {};
   moveOn(Stage::kWatching);
+}
+
+// A part above a plane may hang together in several places.
+void PieceMaker::searchOrdered() {
+  for (auto& s : subscribers_) {
+    if (s->id < request_.first_id || !s->origin) continue;
+    s->finder = finderOf(*s->origin, options_.pieces);
+    s->is_changed = true;
+    must_scan_again_ = true;
+  }
 }
 
 void PieceMaker::settlePieces(bool is_done) {
@@ -357,8 +391,10 @@ void PieceMaker::freezeRequested(Session& session) noexcept {
   while (frozen_ < objects.size() && objects[frozen_].id != request_.id) ++frozen_;
 
   if (frozen_ == objects.size()) return refuse(Answer::kGone);
-  // Added material may not hang together yet; steps to redo would be lost.
-  if (session.state().adds != Material::kNone || session.wouldLoseRedo()) return refuse(Answer::kAfterACut);
+  // Added material may not hang together yet; steps to redo would be lost, but a user may lose them by a cut.
+  if (!request_.is_order && (session.state().adds != Material::kNone || session.wouldLoseRedo()))
+    return refuse(Answer::kAfterACut);
+  if (request_.is_order && objects.size() == kMostObjects) return refuse(Answer::kInAMoment);
   if (!session.applyWithin(FreezeObject{frozen_})) return refuse(Answer::kInAMoment);
 
   is_freezing_ = true;
@@ -370,6 +406,7 @@ void PieceMaker::freezeRequested(Session& session) noexcept {
 
 void PieceMaker::refuse(Answer answer) noexcept {
   request_.answer = answer;
+  if (request_.is_order) answer_ = false;
   moveOn(Stage::kNotNow);
 }
 
@@ -380,13 +417,17 @@ bool PieceMaker::putInPlace(Session& session) noexcept {
   if (request_.made) {
     const std::size_t crumbs = request_.made->crumbs;
     session.offer(frozen_, std::move(request_.made));
-    if (!session.applyWithin(SplitObject{frozen_, request_.crumb_mm3})) request_.answer = Answer::kInAMoment;
+    order_.object = frozen_;
+    const bool is_done =
+        request_.is_order ? session.applyWithin(order_) : session.applyWithin(SplitObject{frozen_, request_.crumb_mm3});
+    if (!is_done) request_.answer = Answer::kInAMoment;
     session.repair();  // at the crumbs: a few bricks, for which a tick has enough free ones
     if (request_.answer == Answer::kDone) counts_.crumbs += crumbs;
     request_.made = session.takeOffer();  // the maker destroys it
-  } else if (request_.is_apart) {
+  } else if (request_.is_apart || request_.is_order) {
     request_.answer = Answer::kInAMoment;
   }
+  if (request_.is_order) answer_ = request_.answer == Answer::kDone;
   if (frozen_ < before && session.state().objects[frozen_].isFrozen()) session.applyWithin(UnfreezeObject{frozen_});
   is_freezing_ = false;
 
@@ -399,8 +440,17 @@ bool PieceMaker::putInPlace(Session& session) noexcept {
     counts_.longest_split_ms = std::max(counts_.longest_split_ms, msBetween(request_.whole_at_ns, now));
   }
 
+  const bool is_changed = after != before || (request_.is_order && request_.answer == Answer::kDone);
   moveOn(Stage::kDone);
-  return after != before;
+  return is_changed;
+}
+
+bool PieceMaker::order(const Session& session, const CutByPlanes& command) noexcept {
+  if (is_ordered_.load(std::memory_order_acquire) || command.object >= session.state().objects.size()) return false;
+  order_ = command;
+  ordered_id_ = session.state().objects[command.object].id;
+  is_ordered_.store(true, std::memory_order_release);
+  return true;
 }
 
 void PieceMaker::abandon(Session& session) noexcept {

@@ -25,6 +25,7 @@
 //   kNotNow        maker    the object could not be frozen: it is searched again later
 //   kFrozen        maker    reads the object, which does not change, and makes its pieces. Ticks go on
 //   kReady         haptic   SplitObject puts the pieces in its place by a few pointers; without pieces UnfreezeObject
+//                           (CutByPlanes for a cut that the user ordered)
 //   kDone          maker    tells the subscriber of pieces, takes back memory that is left
 //
 // Only the thread whose turn it is touches the request and moves the stage on. Neither thread waits for the other.
@@ -35,8 +36,10 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "sim/pieces/split_object.h"
@@ -89,6 +92,13 @@ class PieceMaker {
   void afterTick(Session& session, const StepOutput& output) noexcept;
   /// After the last tick: unfreezes objects without splitting them. @rt
   void abandon(Session& session) noexcept;
+  /// Orders a cut. It is done some ticks later; takeAnswer() reports it. False: the last order is still pending, or the
+  /// object does not exist. @rt
+  bool order(const Session& session, const CutByPlanes& command) noexcept;
+  /// Once for each order: whether it was done. @rt
+  std::optional<bool> takeAnswer() noexcept { return std::exchange(answer_, std::nullopt); }
+  /// An object is frozen, or an order is pending: commands must wait. @rt
+  bool isBusy() const noexcept { return is_freezing_ || is_ordered_.load(std::memory_order_relaxed); }
   /// An object is frozen: commands must wait. @rt
   bool hasFrozen() const noexcept { return is_freezing_; }
 
@@ -117,6 +127,7 @@ class PieceMaker {
     std::uint32_t id = 0;  // of the object
     double crumb_mm3 = 0;
     std::int64_t whole_at_ns = 0;  // when it was last found whole
+    bool is_order = false;         // a cut by `order_`
     // Set by the haptic thread, when the object is frozen.
     const CutObject* whole = nullptr;
     std::uint32_t first_id = 0;
@@ -138,6 +149,8 @@ class PieceMaker {
   bool isSearchDue(std::uint64_t cuts) const;
   bool search(std::int64_t taken_at);
   void requestSplit(const Subscriber& subscriber);
+  void requestOrdered();
+  void searchOrdered();
   void preparePieces(Subscriber& whole);
   void settlePieces(bool is_done);
   void reservePools() noexcept;
@@ -173,11 +186,15 @@ class PieceMaker {
   std::atomic<std::uint64_t> cuts_{0};      // ticks that cut and whose bricks were sent; haptic thread
   std::atomic<Split*> forgotten_{nullptr};  // from the haptic thread; the maker destroys it
   std::atomic<bool> is_stopping_{false};
+  CutByPlanes order_;                    // by the haptic thread, before it sets is_ordered_; then constant
+  std::uint32_t ordered_id_ = 0;         // likewise: of the object
+  std::atomic<bool> is_ordered_{false};  // until the request for it ends
 
   // Haptic thread.
   Counts counts_;
   bool is_freezing_ = false;
   bool has_cut_ = false;
+  std::optional<bool> answer_;  // to the last order
   std::size_t frozen_ = 0;  // index of the object
   std::int64_t frozen_at_ns_ = 0;
 

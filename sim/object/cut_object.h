@@ -28,6 +28,7 @@
 #include "sim/object/dirty_log.h"
 #include "sim/object/loaded_shells.h"
 #include "sim/object/piece_bricks.h"
+#include "sim/object/plane_sides.h"
 #include "sim/object/shell_repair.h"
 #include "sim/object/state_hash.h"
 #include "sim/object/stroke_log.h"
@@ -60,6 +61,8 @@ class CutObject {
   /// piece has all of it, so that a sum over the scene counts it once. For reports: neither in the hash nor in
   /// snapshots.
   std::array<double, 256> removed_before_mm3{};
+  /// Plane cuts that made this piece. For export and reports: not in the hash, which has their values.
+  PlaneSides plane_sides;
   /// Tool motion so far relative to this object, mm: see BrickSlot::sleeps_until_contact. @rt
   double odometer = 0;
   /// Load on the cutting part of the tool's core in the last contact evaluation, N: sim/step/core_contact.h. @rt

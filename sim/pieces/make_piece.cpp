@@ -103,6 +103,7 @@ CutObject PieceBuilder::make(const CutObject& whole, const PieceBricks& bricks, 
     out.reserveLists(false);
   }
   out.T_world_object = whole.T_world_object;
+  out.plane_sides = whole.plane_sides;
 
   PieceBuilder builder(whole, bricks, out, is_parallel);
   builder.takeSlots();

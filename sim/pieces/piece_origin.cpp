@@ -20,6 +20,7 @@ PieceOrigin originOf(const CutObject& piece) {
   PieceOrigin out;
   out.id = out.of = piece.id;
   out.baked = piece.bricks().sharedBaked();
+  out.plane_sides = piece.plane_sides;
   const BrickField& phi0 = out.baked->phi0();
   for (int s = 0; s < piece.slotCount(); ++s) {
     if (!piece.bricks().has(s)) continue;

@@ -15,6 +15,7 @@ namespace kerf {
 struct PieceOrigin {
   std::uint32_t id = 0, of = 0;  ///< CutObject::id of the piece and of its parent
   std::shared_ptr<const BakedObject> baked;
+  PlaneSides plane_sides;                   ///< CutObject::plane_sides
   std::vector<Vec3i> bricks, interior;      ///< its bricks: with values, and constant
   std::vector<BrickEdit> cut, near_others;  ///< differences from `baked`, in disjoint lists
   /// Allocates 2 KB a brick with values.

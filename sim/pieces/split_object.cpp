@@ -72,6 +72,7 @@ std::unique_ptr<ObjectPieces> makePieces(const CutObject& whole, PieceFinder& fi
     origin->id = part.id;
     origin->of = whole.id;
     origin->baked = part.bricks().sharedBaked();
+    origin->plane_sides = part.plane_sides;
     if (pool && n < pool->cuts.size()) origin->cut = std::move(pool->cuts[n]);
     copyCut(part, finder, bricks[n].changed, origin->cut);
     origin->bricks = std::move(bricks[n].bricks);

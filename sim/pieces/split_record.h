@@ -23,6 +23,8 @@ struct Split {
   };
   std::size_t index = 0;  ///< of the whole in the scene; its first part takes that place, the others are appended
   std::size_t parts = 0;  ///< how many
+  bool is_plane_cut = false;
+  double lost_mm3 = 0;  ///< of a plane cut: volume that left the scene
   /// The objects of this split that are not in the scene: the whole while it is split, else its parts.
   std::vector<Part> out_of_scene;
   /// Empty, with reserved memory: takes the objects that leave the scene in the exchange.

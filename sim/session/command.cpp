@@ -76,6 +76,13 @@ constexpr std::tuple kRows{
         "Sets the pose of the tool in the world at once, at rest, with unchanged drive speed; ends a stroke.", kUser,
         Field{&PlaceTool::translation, {"x y z", "mm", "translation of T_world_tool, shorter than 1e5"}},
         Field{&PlaceTool::rotation, {"qw qx qy qz", "", "rotation of T_world_tool, a unit quaternion"}}),
+    row("object.cut", "Cuts an object by planes: the part above all of them and the rest become objects; one undo step.",
+        kUser, Field{&CutByPlanes::object, kObject},
+        Field{&CutByPlanes::keep, {"KEEP", "", "parts that stay: 0 both, 1 above, 2 the rest"}},
+        Field{&CutByPlanes::planes,
+              {"kerf nx ny nz x y z ...", "mm",
+               "width lost along the planes; unit normal and point of 1 to 4 planes, in the frame of the object as "
+               "loaded"}}),
 };
 
 constexpr std::size_t kCount = std::variant_size_v<Command>;
@@ -157,6 +164,24 @@ struct ArrayText {
   }
 };
 
+// Takes all words that are left.
+struct PlanesText {
+  static void print(std::string& to, const CutPlanes& planes) {
+    Text<double>::print(to, planes.kerf_mm);
+    for (std::size_t n = 0; n < planes.count; ++n) ArrayText<double, 6>::print(to, planes.numbers[n]);
+  }
+  static bool take(Words& from, CutPlanes& planes) {
+    planes = {};
+    if (!Text<double>::take(from, planes.kerf_mm)) return false;
+    do {
+      if (!ArrayText<double, 6>::take(from, planes.numbers[planes.count])) return false;
+      ++planes.count;
+    } while (!from.empty() && planes.count < CutPlanes::kMost);
+    return true;
+  }
+};
+
+inline PlanesText textOf(const CutPlanes&) { return {}; }
 template <class T>
 Text<T> textOf(const T&);
 template <class T>

@@ -19,6 +19,7 @@
 #include <variant>
 
 #include "geometry/base/error.h"
+#include "sim/object/plane_sides.h"
 
 namespace kerf {
 
@@ -62,6 +63,12 @@ struct SplitObject {
   std::optional<double> crumb_mm3 = {};  ///< pieces below this volume are crumbs; none: PieceOptions::crumb_mm3
   bool operator==(const SplitObject&) const = default;
 };
+struct CutByPlanes {
+  std::size_t object = 0;
+  std::uint8_t keep = 0;  ///< PlaneKeep
+  CutPlanes planes;       ///< in the frame of the object as loaded
+  bool operator==(const CutByPlanes&) const = default;
+};
 struct PlaceTool {
   std::array<double, 3> translation{};         ///< of T_world_tool: x y z, mm, shorter than 1e5
   std::array<double, 4> rotation{1, 0, 0, 0};  ///< of T_world_tool: unit quaternion w x y z
@@ -69,7 +76,7 @@ struct PlaceTool {
 };
 
 using Command = std::variant<SelectTool, Undo, Redo, ClearLatch, AddMaterial, StopAdding, MoveObject, FreezeObject,
-                             UnfreezeObject, SplitObject, PlaceTool>;
+                             UnfreezeObject, SplitObject, PlaceTool, CutByPlanes>;
 static_assert(std::is_trivially_copyable_v<Command>, "a command crosses queues without allocation");
 
 /// Senders of a command while a HapticThread runs the session. Session::apply() itself takes every command, so a log or

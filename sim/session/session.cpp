@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/pieces/plane_parts.h"
+
 namespace kerf {
 namespace {
 
@@ -175,6 +177,25 @@ bool Session::perform(const PlaceTool& command) noexcept {
   if (is_stroke_) endStroke();
   state_.moveTool(pose);
   return true;
+}
+
+bool Session::perform(const CutByPlanes& command) {
+  const bool is_good = command.object < state_.objects.size() && state_.objects.size() < kMostObjects &&
+                       command.keep <= static_cast<std::uint8_t>(PlaneKeep::kBelow) && command.planes.isUsable();
+  if (!is_good) return false;
+  CutObject& whole = state_.objects[command.object];
+  const auto put = [&](ObjectPieces& made) {  // an undo step of its own
+    markAll();
+    history_.close(now());
+    return putInPlace(command.object, made);
+  };
+  if (offered_ && offered_to_ == command.object) return put(*offered_);
+  if (hasFrozen() && !whole.isFrozen()) return false;
+  while (whole.dirtyCount() > 0 && !whole.repair())
+    if (!whole.reserve(reserveFor(whole))) return false;
+  const auto made = makePlaneParts(whole, command.planes, static_cast<PlaneKeep>(command.keep), state_.next_id,
+                                   state_.next_id);
+  return made && put(*made);
 }
 
 bool Session::canUndo() const noexcept {

@@ -60,11 +60,12 @@ class Session {
   /// @rt  as kerf::step(), and about 20 µs for the checks.
   void step(const DeviceSample& sample, StepOutput& output) noexcept;
   /// apply() within the bricks that are free; call repair() afterwards. Neither allocates nor prints.
-  /// @rt  but Undo and Redo take some µs a brick, and SplitObject allocates unless its pieces were offered.
+  /// @rt  but Undo and Redo take some µs a brick; SplitObject and CutByPlanes allocate unless their pieces were
+  /// offered.
   bool applyWithin(const Command& command);
   /// Updates the shells after undo or redo. False: an object needs free bricks first; then call again. No allocation.
   bool repair() noexcept;
-  /// Pieces for the next SplitObject of this object. They were made while the object was frozen, and the object has not
+  /// Pieces for the next SplitObject or CutByPlanes of this object. They were made while the object was frozen, and the object has not
   /// changed since. @rt
   void offer(std::size_t object, std::unique_ptr<ObjectPieces> made) noexcept;
   /// Returns the offer, used or not. @rt
@@ -131,6 +132,7 @@ class Session {
   bool perform(const UnfreezeObject& command) noexcept;
   bool perform(const SplitObject& command);
   bool perform(const PlaceTool& command) noexcept;
+  bool perform(const CutByPlanes& command);
 
   bool hasFrozen() const noexcept;
   StepOrigin now() const noexcept { return {state_.tick, state_.tool}; }

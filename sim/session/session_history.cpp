@@ -19,7 +19,7 @@ void addTo(UndoStep& step, const Ledger& before, const Ledger& after) noexcept {
 }
 
 void addTo(UndoStep& step, const UndoStep& part) noexcept {
-  if (part.kind == UndoStep::Kind::kStroke) step.kind = UndoStep::Kind::kStroke;
+  if (part.kind != UndoStep::Kind::kMove && step.kind != UndoStep::Kind::kPlaneCut) step.kind = part.kind;
   step.removed_mm3 += part.removed_mm3;
   step.added_mm3 += part.added_mm3;
 }
@@ -132,7 +132,8 @@ void SessionHistory::split(std::vector<CutObject>& objects, std::size_t index, s
   assert(split && split->parts > 0 && objects.size() + split->parts - 1 <= kMostObjects);
   const bool joins_last = done_ > 0 && is_open_;
   Step& step = addStep(objects, joins_last);
-  step.what.kind = UndoStep::Kind::kStroke;
+  step.what.kind = split->is_plane_cut ? UndoStep::Kind::kPlaneCut : UndoStep::Kind::kStroke;
+  step.what.removed_mm3 = split->lost_mm3;
   step.split = std::move(split);
   step.split->index = index;
   swapSplit(objects, *step.split, false);

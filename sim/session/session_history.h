@@ -22,9 +22,9 @@ struct StepOrigin {
   bool operator==(const StepOrigin&) const = default;
 };
 
-/// One undo step: a stroke with its splits, or the move of an object.
+/// One undo step: a stroke with its splits, a plane cut, or the move of an object.
 struct UndoStep {
-  enum class Kind : std::uint8_t { kStroke, kMove };
+  enum class Kind : std::uint8_t { kStroke, kMove, kPlaneCut };
   std::uint64_t number = 0;  ///< 1 is the first of the session; numbers increase and never repeat
   StepOrigin origin;
   Kind kind = Kind::kMove;

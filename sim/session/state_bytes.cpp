@@ -14,7 +14,7 @@
 namespace kerf {
 namespace {
 
-constexpr std::uint32_t kStateVersion = 7;
+constexpr std::uint32_t kStateVersion = 8;
 
 // Little-endian, doubles with every bit.
 class Writer {
@@ -121,6 +121,18 @@ void packObject(const CutObject& object, const ContactTurns& turns, std::size_t 
     to.f64(object.added_mm3[m]);
   }
 
+  const std::size_t sides = object.plane_sides ? object.plane_sides->size() : 0;
+  to.u64(sides);
+  for (std::size_t n = 0; n < sides; ++n) {
+    const PlaneSide& side = (*object.plane_sides)[n];
+    to.u32(side.cut);
+    to.u32(side.is_above);
+    to.f64(side.planes.kerf_mm);
+    to.u32(side.planes.count);
+    for (std::size_t p = 0; p < side.planes.count; ++p)
+      for (const double number : side.planes.numbers[p]) to.f64(number);
+  }
+
   // A piece's first bricks; then, for any object, air bricks that it took on.
   const auto putBricks = [&](int begin, int end) {
     std::uint64_t count = 0;
@@ -179,6 +191,20 @@ std::vector<ChangedBrick> readChanged(Reader& from) {
   return out;
 }
 
+PlaneSides readPlaneSides(Reader& from) {
+  std::vector<PlaneSide> out(from.count(20));
+  for (PlaneSide& side : out) {
+    side.cut = from.u32();
+    side.is_above = from.u32() != 0;
+    side.planes.kerf_mm = from.f64();
+    side.planes.count = std::min<std::uint32_t>(from.u32(), CutPlanes::kMost + 1);
+    for (std::size_t p = 0; p < std::min<std::size_t>(side.planes.count, CutPlanes::kMost); ++p)
+      for (double& number : side.planes.numbers[p]) number = from.f64();
+    from.is_good = from.is_good && side.planes.isUsable();
+  }
+  return out.empty() ? nullptr : std::make_shared<const std::vector<PlaneSide>>(std::move(out));
+}
+
 // The bricks of a piece in the form for makePiece(); empty if `whole` lacks any, or one is there twice.
 PieceBricks pieceOf(CutObject& whole, std::vector<Vec3i> bricks, const std::vector<ChangedBrick>& changed) {
   const auto isBefore = [](const Vec3i& a, const Vec3i& b) { return coordKey(a) < coordKey(b); };
@@ -221,6 +247,7 @@ std::optional<CutObject> unpackObject(Reader& from, const LoadedObjects& loaded,
     removed[m] = from.f64();
     added[m] = from.f64();
   }
+  PlaneSides sides = readPlaneSides(from);
   std::vector<Vec3i> own;
   if (is_piece) own = readBricks(from);
   const std::vector<Vec3i> air = readBricks(from);
@@ -259,6 +286,7 @@ std::optional<CutObject> unpackObject(Reader& from, const LoadedObjects& loaded,
   object.strokes().end();  // initial state: nothing to undo
   object.T_world_object = pose;
   object.id = id;
+  object.plane_sides = std::move(sides);
   object.core_load = core_load;
   object.cut_area = CutArea(by_ledger, by_shell);
   object.is_core_clear = flags & 4;

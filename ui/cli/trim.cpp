@@ -35,6 +35,7 @@ using nlohmann::json;
 struct TrimArguments {
   std::string what, plan, box, between, keep = "both", unit;
   std::vector<std::string> planes, outputs;
+  double kerf_mm = 0;
   bool overwrites = false, json = false;
 };
 
@@ -147,6 +148,7 @@ Expected<Cut> cutOf(const TrimArguments& a, const Mesh& solid) {
   if (!a.box.empty()) KERF_CHECK(addBox(a.box, out));
   if (!a.between.empty()) KERF_CHECK(addBetween(a.between, out));
   if (!a.box.empty() || !a.between.empty()) out.names = {"die", "rest"};
+  out.options.kerf_mm = a.kerf_mm;
   return out;
 }
 
@@ -310,6 +312,8 @@ int runTrim(const TrimArguments& a) {
   return is_usage ? complainOfUsage(error) : complain(error);
 }
 
+constexpr double kMostKerf = 10;  // mm
+
 constexpr const char* kTrimFooter =
     "Above a plane is the side of its normal. Several planes cut off the volume above all of them. Kerf writes both "
     "parts\n"
@@ -351,6 +355,10 @@ void addTrim(CLI::App& command, int& exit_code) {
                   "cut out the piece between two points, such as the contacts of a tooth with its neighbours, by "
                   "planes square to the line between them")
       ->type_name("X,Y,Z/X,Y,Z");
+  command.add_option("--kerf", a->kerf_mm, "width of material lost along the planes, mm: half on either side")
+      ->type_name("MM")
+      ->check(CLI::Range(0.0, kMostKerf))
+      ->capture_default_str();
   command.add_option("--keep", a->keep, "parts to write: above (or die), below (or rest), both")
       ->check(CLI::IsMember({"above", "below", "die", "rest", "both"}))
       ->capture_default_str();

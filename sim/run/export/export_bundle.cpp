@@ -12,6 +12,7 @@
 #include "geometry/case/case_bundle.h"
 #include "geometry/tool/tool_file.h"
 #include "sim/hand/path.h"
+#include "sim/run/export/plane_parts_mesh.h"
 #include "sim/run/files/run_files.h"
 #include "sim/run/files/run_output.h"
 #include "sim/run/sweep/swept_path.h"
@@ -133,8 +134,9 @@ Expected<CutCase> loadCut(const fs::path& run_folder, const RunManifest& manifes
   return CutCase{std::move(in_case), std::move(solid), std::move(phi0), std::move(cut)};
 }
 
-Expected<PostOpMesh> meshOf(const CutCase& loaded, bool is_geometry, const PostOpOptions& options,
-                            const Progress& progress) {
+Expected<PostOpMesh> meshOf(const CutCase& loaded, bool is_geometry, std::span<const RunManifest::Piece> pieces,
+                            const PostOpOptions& options, const Progress& progress) {
+  if (areCutByPlanes(pieces)) return planePartsMesh(loaded.solid, loaded.phi0, loaded.cut, pieces, options, progress);
   if (!is_geometry) return postOperativeMeshOf(loaded.solid, loaded.phi0, loaded.cut, options, progress);
   return postOperativeMesh(loaded.solid, removedFieldFromSweep(loaded.phi0, loaded.cut), options, progress);
 }
@@ -159,7 +161,9 @@ Expected<Export> exportRun(const fs::path& folder, const PostOpOptions& options,
   KERF_TRY(loaded, loadCut(folder, manifest, case_folder, beside));
 
   const bool is_geometry = manifest.hasSweep();
-  auto result = meshOf(loaded, is_geometry, options, progress);
+  std::span<const RunManifest::Piece> pieces;
+  if (beside == 0) pieces = manifest.pieces;
+  auto result = meshOf(loaded, is_geometry, pieces, options, progress);
   if (!result) {
     result.error().file = folder.string();
     return fail(result.error());

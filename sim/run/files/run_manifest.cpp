@@ -83,6 +83,36 @@ Expected<void> readEarlier(TomlTable& top, const fs::path& path, RunManifest& m)
   return {};
 }
 
+Expected<void> readPlaneSides(TomlTable& of_piece, const fs::path& path, RunManifest::Piece& piece) {
+  const toml::array* tables = of_piece.has("plane_cut") ? of_piece.tables("plane_cut") : nullptr;
+  if (!tables) return {};
+  for (const toml::node& node : *tables) {
+    if (!node.is_table()) continue;
+    const std::string name = fmt::format("plane cut {} of a piece", piece.sides.size() + 1);
+    TomlTable t(*node.as_table(), path, name);
+    PlaneSide side;
+    side.cut = static_cast<std::uint32_t>(t.number("cut", 0, 4e9, "a count"));
+    const std::string of = t.get<std::string>("side", "\"above\" or \"rest\"");
+    if (of != "above" && of != "rest") t.reject("side", "\"" + of + "\"", "\"above\" or \"rest\"");
+    side.is_above = of == "above";
+    side.planes.kerf_mm = t.number("kerf_mm", 0, CutPlanes::kMostKerf, "mm");
+    const auto count = static_cast<std::size_t>(t.number("planes", 1, CutPlanes::kMost, "a count"));
+    const std::vector<double> numbers = t.numbers("normals_and_points", 6 * count);
+    KERF_CHECK(t.finish());
+    for (std::size_t n = 0; n < 6 * count; ++n) side.planes.numbers[n / 6][n % 6] = numbers[n];
+    side.planes.count = static_cast<std::uint32_t>(count);
+    if (!side.planes.isUsable())
+      return fail({.code = Error::Code::kUnsupported,
+                   .file = path.string(),
+                   .place = name,
+                   .found = "a normal that is no unit vector, or a point out of range",
+                   .expected = "unit normals, and points below 1e5 mm",
+                   .hint = "cut again; runs must not be edited"});
+    piece.sides.push_back(side);
+  }
+  return {};
+}
+
 // Results and tools of a person's session.
 Expected<void> readPieces(TomlTable& top, const fs::path& path, RunManifest& m) {
   const toml::array* tables = top.has("piece") ? top.tables("piece") : nullptr;
@@ -98,6 +128,7 @@ Expected<void> readPieces(TomlTable& top, const fs::path& path, RunManifest& m) 
     piece.volume_mm3 = t.number("volume_mm3", 0, 1e12, "mm3");
     const std::vector<double> inside = t.numbers("inside", 3), translation = t.numbers("translation", 3),
                               rotation = t.numbers("rotation", 4);
+    KERF_CHECK(readPlaneSides(t, path, piece));
     KERF_CHECK(t.finish());
 
     piece.inside = {inside[0], inside[1], inside[2]};
@@ -248,6 +279,18 @@ Expected<void> writeRunManifest(const fs::path& folder, const RunManifest& m) {
         {"inside", toml::array{i[0], i[1], i[2]}},      {"volume_mm3", p.volume_mm3},
         {"translation", toml::array{t[0], t[1], t[2]}}, {"rotation", toml::array{q.w(), q.x(), q.y(), q.z()}}};
     if (!p.colour.empty()) row.insert("colour", p.colour);
+    toml::array sides;
+    for (const PlaneSide& side : p.sides) {
+      toml::array numbers;
+      for (std::size_t k = 0; k < side.planes.count; ++k)
+        for (const double number : side.planes.numbers[k]) numbers.push_back(number);
+      sides.push_back(toml::table{{"cut", static_cast<std::int64_t>(side.cut)},
+                                  {"side", side.is_above ? "above" : "rest"},
+                                  {"kerf_mm", side.planes.kerf_mm},
+                                  {"planes", static_cast<std::int64_t>(side.planes.count)},
+                                  {"normals_and_points", std::move(numbers)}});
+    }
+    if (!sides.empty()) row.insert("plane_cut", std::move(sides));
     pieces.push_back(std::move(row));
   }
   if (!pieces.empty()) root.insert("piece", std::move(pieces));

@@ -22,6 +22,7 @@
 
 #include "geometry/base/error.h"
 #include "geometry/base/types.h"
+#include "sim/object/plane_sides.h"
 #include "sim/run/files/path_findings.h"
 
 namespace kerf {
@@ -77,6 +78,7 @@ struct RunManifest {
     Vec3d inside = Vec3d::Zero();  ///< a point deep inside the piece, where it was loaded, mm
     double volume_mm3 = 0;         ///< counted from its nodes
     Rigid3 T_case_piece;           ///< from its loaded to its current place
+    std::vector<PlaneSide> sides;  ///< plane cuts that made it, in order: export cuts the mesh by these planes
     bool isMoved() const;
   };
   std::vector<Piece> pieces;

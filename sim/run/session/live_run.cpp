@@ -9,6 +9,7 @@
 
 #include "sim/pieces/joined_field.h"
 #include "sim/run/export/export_bundle.h"
+#include "sim/run/export/plane_parts_mesh.h"
 #include "sim/run/export/placed_pieces.h"
 #include "sim/run/files/removed_volumes.h"
 #include "sim/run/files/run_files.h"
@@ -279,9 +280,11 @@ void LiveRun::showNewPieces() {
   for (CameOff& piece : fresh) {
     const std::uint32_t id = piece.origin->id;
     const std::uint32_t loaded = loadedIndexOf(piece.origin->baked.get());
+    PlaneSides sides = piece.origin->plane_sides;
     shown_.push_back(
         {id, loaded,
-         std::make_shared<MesherThread>(std::move(piece.origin), std::move(piece.feed), mesher_options_[loaded])});
+         std::make_shared<MesherThread>(std::move(piece.origin), std::move(piece.feed), mesher_options_[loaded]),
+         std::move(sides)});
   }
   std::erase_if(shown_, [this](const Shown& object) {
     if (!object.mesher->isForgotten()) return false;
@@ -307,9 +310,9 @@ std::uint64_t LiveRun::editsDone() const noexcept {
   return out;
 }
 
-std::shared_ptr<MesherThread> LiveRun::mesherOf(std::uint32_t id) {
+const LiveRun::Shown* LiveRun::shownOf(std::uint32_t id) const {
   for (const Shown& object : shown_)
-    if (object.id == id) return object.mesher;
+    if (object.id == id) return &object;
   return nullptr;
 }
 
@@ -328,8 +331,10 @@ std::optional<SceneView> LiveRun::viewScene() {
     const bool is_named = known != labels_.end() && !known->second.name.empty();
     seen.name = is_named ? known->second.name : fmt::format("piece {}", n + 1);
     seen.T_world_object = object.T_world_object;
-    seen.mesher = mesherOf(object.id);
-    if (!seen.mesher) return {};  // pieces appear some ms before their meshers
+    const Shown* const shown = shownOf(object.id);
+    if (!shown) return {};  // pieces appear some ms before their meshers
+    seen.mesher = shown->mesher;
+    seen.plane_sides = shown->plane_sides;
   }
   return out;
 }
@@ -345,7 +350,7 @@ Expected<SceneCopy> LiveRun::copyOf(const SceneView& view) {
                    .expected = "an unchanged scene",
                    .hint = "try again"});
     out.objects.push_back({object.id, object.loaded, object.name, object.T_world_object, object.mesher->pieceField(),
-                           std::move(*changed)});
+                           std::move(*changed), object.plane_sides});
   }
   return out;
 }
@@ -377,6 +382,7 @@ Expected<LiveResult> LiveRun::postOperative(const SceneCopy& scene, const PostOp
     piece.id = object.id;
     piece.name = object.name;
     piece.T_case_piece = object.T_world_object;
+    if (object.plane_sides) piece.sides = *object.plane_sides;
     out.pieces.push_back(std::move(piece));
   }
   if (!first)
@@ -386,7 +392,8 @@ Expected<LiveResult> LiveRun::postOperative(const SceneCopy& scene, const PostOp
                  .expected = "an object that is open"});
   const bool was_cut_before = other ? other->known.has_begin : !options_.from.empty();
   const bool is_whole = parts.size() == 1 && !first->begin && !was_cut_before;
-  if (other || (parts.size() == 1 && !out.pieces.front().isMoved() && !isNamedByUser(out.pieces.front().name)))
+  const bool is_cut = !other && areCutByPlanes(out.pieces);
+  if (other || (parts.size() == 1 && !is_cut && !out.pieces.front().isMoved() && !isNamedByUser(out.pieces.front().name)))
     out.pieces.clear();
   else
     for (std::size_t n = 0; n < parts.size(); ++n) out.pieces[n].inside = deepestPoint(parts[n]);
@@ -395,7 +402,8 @@ Expected<LiveResult> LiveRun::postOperative(const SceneCopy& scene, const PostOp
   const BrickField joined = is_whole ? BrickField() : joinedChanges(loaded, parts);
   KERF_TRY(solid, readCaseSolid(other ? other->known.folder : case_folder_));
   const BrickField& changed = is_whole ? first->changed : joined;
-  KERF_TRY(mesh, postOperativeMeshOf(solid, loaded, changed, options, progress));
+  KERF_TRY(mesh, is_cut ? planePartsMesh(solid, loaded, changed, out.pieces, options, progress)
+                        : postOperativeMeshOf(solid, loaded, changed, options, progress));
   out.post_op = std::move(mesh);
   return out;
 }

@@ -64,6 +64,7 @@ struct SceneView {
     std::string name;
     Rigid3 T_world_object;
     std::shared_ptr<MesherThread> mesher;
+    PlaneSides plane_sides;
   };
   std::vector<Object> objects;
 };
@@ -77,6 +78,7 @@ struct SceneCopy {
     Rigid3 T_world_object;
     std::shared_ptr<const BrickField> begin;  ///< of a piece, at its split; null: as loaded
     BrickField changed;                       ///< bricks changed since then
+    PlaneSides plane_sides;
   };
   std::vector<Object> objects;
 };
@@ -185,6 +187,7 @@ class LiveRun {
     std::uint32_t id = 0;
     std::uint32_t loaded = 0;
     std::shared_ptr<MesherThread> mesher;  // shared with views of the scene
+    PlaneSides plane_sides{};
   };
   struct CameOff {
     std::shared_ptr<const PieceOrigin> origin;
@@ -192,7 +195,7 @@ class LiveRun {
   };
   void showNewPieces();
   std::vector<Command> putPiecesBack(Session& session);
-  std::shared_ptr<MesherThread> mesherOf(std::uint32_t id);
+  const Shown* shownOf(std::uint32_t id) const;
   void label(std::uint32_t id, const PieceLabel& label);
 
   LiveRunOptions options_;

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "sim/pieces/joined_field.h"
+#include "sim/pieces/plane_parts.h"
 #include "sim/run/files/run_output.h"
 #include "sim/run/scene/load_scene.h"
 
@@ -97,6 +98,7 @@ std::vector<RunManifest::Piece> piecesOf(const Objects& objects, const std::vect
     piece.inside = deepestPoint({.begin = &field});
     for (const double volume : object.bricks().countVolumes()) piece.volume_mm3 += volume;
     piece.T_case_piece = object.T_world_object;
+    if (object.plane_sides) piece.sides = *object.plane_sides;
     out.push_back(std::move(piece));
   }
   return out;
@@ -133,12 +135,44 @@ CutPath pathInFrame(const CutPath& path, const Rigid3& T_world_body) {
   return out;
 }
 
+namespace {
+
+// Cuts again what planes had cut: both parts touch in the stored field. Parts that had left the scene are not in it.
+template <class Apply>
+void cutAgain(const Session& session, std::span<const RunManifest::Piece> before, const Apply& apply) {
+  std::vector<PlaneSide> cuts;
+  for (const RunManifest::Piece& piece : before)
+    for (const PlaneSide& side : piece.sides)
+      if (std::none_of(cuts.begin(), cuts.end(), [&](const PlaneSide& known) { return known.cut == side.cut; }))
+        cuts.push_back(side);
+  std::stable_sort(cuts.begin(), cuts.end(), [](const auto& a, const auto& b) { return a.cut < b.cut; });
+
+  for (const PlaneSide& cut : cuts)
+    for (std::size_t n = session.state().objects.size(); n-- > 0;) {
+      bool is_above = false, is_below = false;
+      for (const RunManifest::Piece& piece : before)
+        for (const PlaneSide& side : piece.sides)
+          if (side.cut == cut.cut && session.loadedIndexOf(session.state().objects[n]) == 0 &&
+              isInside(session.state().objects[n], piece.inside))
+            (side.is_above ? is_above : is_below) = true;
+      if (!is_above && !is_below) continue;
+      const PlaneKeep keep = !is_below ? PlaneKeep::kAbove : !is_above ? PlaneKeep::kBelow : PlaneKeep::kBoth;
+      apply(CutByPlanes{n, static_cast<std::uint8_t>(keep), cut.planes});
+    }
+}
+
+}  // namespace
+
 PiecesPutBack putPiecesBack(Session& session, std::span<const RunManifest::Piece> before) {
   PiecesPutBack out;
   const auto apply = [&](const Command& command) {
     if (session.apply(command)) out.done.push_back(command);
   };
   if (before.size() > 1) apply(SplitObject{0});
+  cutAgain(session, before, apply);
+  if (before.size() > 1)
+    for (std::size_t n = session.state().objects.size(); n-- > 0;)
+      if (session.state().objects[n].plane_sides) apply(SplitObject{n});
 
   for (const RunManifest::Piece& piece : before) {
     const std::vector<CutObject>& objects = session.state().objects;
@@ -177,6 +211,7 @@ Expected<PiecesLeft> piecesLeft(const CutScene& scene, const BrickField& changed
   loaded.front() = std::move(object);
   Session session(scene.model, loaded, scene.start());
   session.apply(SplitObject{0});
+  cutAgain(session, pieces, [&](const Command& command) { session.apply(command); });
   Objects objects = objectsOf(session, 0);
   std::vector<BrickField> fields = fieldsOf(objects);
 

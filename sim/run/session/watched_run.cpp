@@ -240,7 +240,7 @@ std::optional<SceneView> WatchedRun::viewScene() const {
     const auto name = known.find(object.id);
     out.objects.push_back({object.id, object.loaded,
                            name == known.end() ? fmt::format("piece {}", n + 1) : name->second.name,
-                           object.T_world_object, shown->mesher});
+                           object.T_world_object, shown->mesher, {}});
   }
   return out;
 }

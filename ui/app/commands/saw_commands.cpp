@@ -1,5 +1,6 @@
 #include "ui/app/commands/command_tables.h"
 
+#include <algorithm>
 #include <array>
 
 #include "ui/app/base/command_words.h"
@@ -11,7 +12,8 @@ namespace kerf::saw_commands {
 namespace {
 
 constexpr double kMostSawMm = 1000, kMostDegrees = 360;
-constexpr double kUnderFace = 1;  // mm
+constexpr double kUnderFace = 1;     // mm
+constexpr double kUnderCusps = -12;  // mm: a base of usual height
 
 Expected<std::string> sawWordOf(AppWords words, const char* name) {
   if (words.empty() || words[0].empty()) return wrongWord("too few parameters", name);
@@ -133,6 +135,24 @@ Expected<void> cut(AppContext& c, AppWords words) {
   return c.bench.saw->cut(force);
 }
 
+Expected<void> occlusal(AppContext& c, AppWords words) {
+  KERF_TRY(mm, numberOr(words, 0, kUnderCusps, "MM", -kMostSawMm, kMostSawMm));
+  return c.bench.saw->addOcclusal(mm);
+}
+
+Expected<void> cutAtOnce(AppContext& c, AppWords words) {
+  const std::string side = words.empty() || words[0].empty() ? "both" : words[0];
+  const std::array<const char*, 3> sides{"both", "above", "below"};
+  const auto at = std::find(sides.begin(), sides.end(), side);
+  if (at == sides.end()) return wrongWord("\"" + side + "\"", "both, above or below");
+  KERF_TRY(kerf, numberOr(words, 1, 0, "KERF", 0, CutPlanes::kMostKerf));
+  return c.bench.saw->cutAtOnce(static_cast<PlaneKeep>(at - sides.begin()), kerf);
+}
+
+Expected<void> keepAbove(AppContext& c, AppWords) { return c.bench.saw->cutAtOnce(PlaneKeep::kAbove, 0); }
+Expected<void> keepBelow(AppContext& c, AppWords) { return c.bench.saw->cutAtOnce(PlaneKeep::kBelow, 0); }
+Expected<void> keepBoth(AppContext& c, AppWords) { return c.bench.saw->cutAtOnce(PlaneKeep::kBoth, 0); }
+
 Expected<void> stop(AppContext& c, AppWords) {
   c.bench.saw->stop();
   return {};
@@ -163,6 +183,8 @@ constexpr AppCommand kRows[] = {
      "Plans a plane parallel to the surface at a pixel (default: 1 mm below it).", when::isOpen, fromFace},
     {"saw.plane", "", "", "", "X Y Z NX NY NZ", "Plans a plane from a point, in mm, and a normal.", when::isOpen,
      fromNumbers},
+    {"saw.plane-occlusal", "Saw", "Plan plane under the cusps", "", "[MM]",
+     "Plans a plane parallel to the occlusal plane, MM above it (default -12).", when::isOpen, occlusal},
     {"saw.choose", "", "", "", "NAME", "Chooses another planned plane.", hasPlane, choose},
     {"saw.rename", "", "", "", "NAME", "Renames the chosen plane.", hasPlane, rename},
     {"saw.delete", "Saw", "Delete plane", "", "", "Deletes the chosen plane.", hasPlane, remove},
@@ -179,6 +201,15 @@ constexpr AppCommand kRows[] = {
     {"saw.load", "", "", "", "FILE", "Reads planned planes from a file or a session folder.", when::isOpen, load},
     {"saw.cut", "Saw", "Cut this plane", "", "[NEWTONS]",
      "Cuts the chosen plane with the current saw. NEWTONS limits the push (default 5 N).", hasPlane, cut},
+    {"plane.cut", "", "", "", "[both|above|below] [KERF]",
+     "Cuts by the chosen plane at once and exactly, without bounds. Above is the side of its arrow. KERF in mm is lost.",
+     hasPlane, cutAtOnce},
+    {"plane.cut-keep-both", "Saw:2", "Cut at once, keep both", "", "", "Cuts by the chosen plane at once.", hasPlane,
+     keepBoth},
+    {"plane.cut-keep-above", "Saw:2", "Cut at once, keep above", "", "",
+     "Cuts by the chosen plane at once and removes the part below.", hasPlane, keepAbove},
+    {"plane.cut-keep-below", "Saw:2", "Cut at once, keep below", "", "",
+     "Cuts by the chosen plane at once and removes the part above.", hasPlane, keepBelow},
     {"saw.stop", "Saw", "Stop sawing", "", "", "Stops a planned cut and retracts the blade.", isCutting, stop},
     {"saw.guide", "Saw", "Guide blade", "G", "[on|off]", "Keeps a mouse-guided saw in the chosen plane, or frees it.",
      when::isOpen, guide},

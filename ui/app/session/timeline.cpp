@@ -82,15 +82,16 @@ void Timeline::groupSteps() {
   steps_.clear();
   const PlannedCut* last_cut = nullptr;
   for (const UndoStep& stroke : strokes_) {
-    const bool is_move = stroke.kind == UndoStep::Kind::kMove;
-    const PlannedCut* const cut = is_move ? nullptr : cutOf(stroke.number);
+    const bool is_move = stroke.kind == UndoStep::Kind::kMove, is_plane = stroke.kind == UndoStep::Kind::kPlaneCut;
+    const PlannedCut* const cut = is_move || is_plane ? nullptr : cutOf(stroke.number);
     if (cut && cut == last_cut) {
       ++steps_.back().strokes;
     } else {
       TimelineStep& step = steps_.emplace_back();
-      step.kind = is_move ? TimelineStep::Kind::kMove
-                  : cut   ? TimelineStep::Kind::kPlannedCut
-                          : TimelineStep::Kind::kStroke;
+      step.kind = is_move    ? TimelineStep::Kind::kMove
+                  : is_plane ? TimelineStep::Kind::kPlaneCut
+                  : cut      ? TimelineStep::Kind::kPlannedCut
+                             : TimelineStep::Kind::kStroke;
       step.tool = stroke.origin.tool;
       step.plane = cut ? cut->plane : "";
       step.began_s = kTick * static_cast<double>(stroke.origin.tick);
@@ -129,7 +130,9 @@ Expected<std::size_t> Timeline::strokesAfter(std::uint64_t number) const {
 
 std::string describeStep(const TimelineStep& step, std::uint64_t number, const std::string& tool) {
   if (step.kind == TimelineStep::Kind::kMove) return phrase("{}: piece moved, at {:.1f} s", number, step.began_s);
-  const std::string what = step.kind == TimelineStep::Kind::kPlannedCut ? phrase("planned cut {}", step.plane) : tool;
+  const std::string what = step.kind == TimelineStep::Kind::kPlannedCut ? phrase("planned cut {}", step.plane)
+                           : step.kind == TimelineStep::Kind::kPlaneCut ? shownText("plane cut")
+                                                                        : tool;
   std::string out = phrase("{}: {}, {:.2f} mm3 removed", number, what, step.removed_mm3);
   if (step.added_mm3 > 0) out += phrase(", {:.2f} mm3 added", step.added_mm3);
   return out + phrase(", at {:.1f} s", step.began_s);

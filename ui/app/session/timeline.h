@@ -17,7 +17,7 @@
 namespace kerf {
 
 struct TimelineStep {
-  enum class Kind { kStroke, kMove, kPlannedCut };
+  enum class Kind { kStroke, kMove, kPlannedCut, kPlaneCut };
   Kind kind = Kind::kStroke;
   std::size_t tool = 0;  ///< in hand at its start
   std::string plane{};   ///< of a planned cut

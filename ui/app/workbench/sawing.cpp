@@ -4,10 +4,15 @@
 #include <cmath>
 #include <numbers>
 
+#include <fmt/format.h>
+
+#include "geometry/case/case_bundle.h"
 #include "sim/hand/guided_hand.h"
 #include "ui/app/base/language.h"
 #include "ui/app/document/document.h"
+#include "ui/app/saw/plane_words.h"
 #include "ui/app/saw/saw_section.h"
+#include "ui/app/workbench/scene_pieces.h"
 #include "ui/app/workbench/steps.h"
 #include "ui/app/workbench/strokes.h"
 #include "ui/app/workbench/tools.h"
@@ -348,6 +353,74 @@ Expected<void> Sawing::cut(double force_n) {
   return {};
 }
 
+// ---- Cutting at once
+
+Expected<void> Sawing::addOcclusal(double above_mm) {
+  KERF_CHECK(requireOpen());
+  KERF_TRY(solid, readCaseSolid(bench_.document->run()->caseFolder()));
+  KERF_TRY(plane, planeOfWord(fmt::format("occlusal@{:.17g}", above_mm), solid, "saw.plane-occlusal"));
+  return addAt(plane.point, plane.normal);
+}
+
+Expected<void> Sawing::cutAtOnce(PlaneKeep keep, double kerf_mm) {
+  KERF_CHECK(requireOpen());
+  KERF_TRY(plane, chosen());
+  if (cutting_ || at_once_ || bench_.strokes->isPressed() || bench_.steps->undosLeft() != 0)
+    return refuse(Error::Code::kUnsupported, "the tool is in use", "a tool at rest", "release the button first");
+
+  const auto planeIn = [&](const SceneObject& piece) {
+    if (!piece.isMoved()) return Plane{plane.point, plane.normal};
+    const Rigid3 T_piece_world = piece.T_world_object.inverse();
+    return Plane{T_piece_world * plane.point, (T_piece_world.rotation * plane.normal).normalized()};
+  };
+  const auto isMet = [&](const SceneObject& piece) {
+    const Plane in_piece = planeIn(piece);
+    const Box3 box = piece.surface.bounds();
+    double least = in_piece.height(box.corner(0)), most = least;
+    for (int n = 1; n < 8; ++n) {
+      least = std::min(least, in_piece.height(box.corner(n)));
+      most = std::max(most, in_piece.height(box.corner(n)));
+    }
+    return least < 0 && most > 0;
+  };
+  const SceneObject* piece = bench_.pieces->chosen();
+  for (const SceneObject* const other : bench_.document->scene().shown()) {
+    if (bench_.pieces->chosen() || other->isBeside() || !isMet(*other)) continue;
+    if (piece)
+      return refuse(Error::Code::kUnsupported, "several pieces in the plane", "one piece to cut",
+                    "click a piece in Pieces, then cut again");
+    piece = other;
+  }
+  if (!piece || !isMet(*piece))
+    return refuse(Error::Code::kEmpty, "the plane misses the object", "a plane through it", "move the plane");
+  if (piece->isBeside())
+    return refuse(Error::Code::kUnsupported, "a neighbour", "a piece of the scan itself",
+                  "open that scan by itself to cut it by a plane");
+
+  CutByPlanes command{piece->index, static_cast<std::uint8_t>(keep), {}};
+  command.planes.kerf_mm = kerf_mm;
+  command.planes.add(planeIn(*piece));
+  if (bench_.document->report().is_latched) bench_.document->send(ClearLatch{});
+  const std::uint64_t refused = bench_.document->report().counts.commands_refused;
+  if (!bench_.document->send(command))
+    return refuse(Error::Code::kUnsupported, "the 1 kHz thread is busy", "a free place in its queue", "try again");
+  at_once_ = AtOnce{plane.name, bench_.document->sent(), refused};
+  return {};
+}
+
+void Sawing::reportAtOnce() {
+  if (!at_once_ || bench_.document->answered() < at_once_->sent) return;
+  if (bench_.document->report().counts.commands_refused > at_once_->refused_before)
+    bench_.notices->complain({.code = Error::Code::kEmpty,
+                              .place = at_once_->plane,
+                              .found = "all of the piece lies on one side of the plane",
+                              .expected = "a plane through it",
+                              .hint = "move the plane, or turn it"});
+  else
+    bench_.notices->say(phrase("{}: cut at once", at_once_->plane));
+  at_once_.reset();
+}
+
 bool Sawing::isBusy() {
   if (!cutting_) return false;
   bench_.notices->complain({.code = Error::Code::kUnsupported,
@@ -405,6 +478,7 @@ void Sawing::markSawn(const GuidedReport& report) {
 
 void Sawing::update() {
   saveSoon();
+  if (bench_.document->isOpen()) reportAtOnce();
   if (!cutting_ || !bench_.document->isOpen()) return;
   Cutting& c = *cutting_;
   bench_.document->hands().guided->update();
@@ -504,6 +578,7 @@ std::optional<ToolOverSurface> Sawing::over(const Ray& ray) const {
 // ---- The open document
 
 void Sawing::opened(Opening /*how*/) {
+  at_once_.reset();
   cutting_.reset();
   plan_.clear();
   saved_ = seen_ = plan_.version();

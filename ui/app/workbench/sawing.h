@@ -11,6 +11,7 @@
 #include <string>
 
 #include "geometry/tool/saw_blade.h"
+#include "sim/pieces/plane_parts.h"
 #include "ui/app/document/part.h"
 #include "ui/app/saw/saw_clearance.h"
 #include "ui/app/saw/saw_plan.h"
@@ -103,6 +104,16 @@ class Sawing final : public Part {
   /// Takes the reports of the cut.
   void update() override;
 
+  // ---- Cutting at once
+
+  /// Parallel to the occlusal plane of the scan, so much above it. @cost 0.5 s. Error kGeometry: no occlusal plane.
+  Expected<void> addOcclusal(double above_mm);
+  /// Cuts the chosen piece, or the only one that the plane meets, by the chosen plane without its bounds. One undo
+  /// step; exported as `kerf trim` would. A notice reports the end, or that the plane misses.
+  /// @param kerf_mm  width lost along the plane.   Errors: kEmpty without a plane or a piece in it; kUnsupported for a
+  /// neighbour, while the tool is in use, and if several pieces meet the plane and none is chosen.
+  Expected<void> cutAtOnce(PlaneKeep keep, double kerf_mm);
+
   // ---- The guide
 
   bool guide = false;  ///< keeps the blade in the chosen plane, by mouse
@@ -132,8 +143,15 @@ class Sawing final : public Part {
   void finish(const GuidedReport& report);
   void saveSoon();
 
+  struct AtOnce {
+    std::string plane;
+    std::uint64_t sent = 0, refused_before = 0;
+  };
+  void reportAtOnce();
+
   Workbench& bench_;
   SawPlan plan_;
+  std::optional<AtOnce> at_once_;  ///< sent, not answered yet
   std::unique_ptr<Cutting> cutting_;
   std::uint64_t cuts_ = 0;
   double last_share_ = 0;

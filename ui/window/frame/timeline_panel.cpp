@@ -35,6 +35,7 @@ ImVec4 colourOf(TimelineStep::Kind kind) {
     case TimelineStep::Kind::kMove:
       return colours.quiet;
     case TimelineStep::Kind::kPlannedCut:
+    case TimelineStep::Kind::kPlaneCut:
       return colours.good;
   }
   return colours.quiet;

@@ -154,6 +154,20 @@ void drawCut(AppContext& context) {
   if (wideButton("Cut this plane", true)) runSaw(context, "saw.cut");
 }
 
+void drawCutAtOnce(AppContext& context) {
+  ui::text("Cut at once, keep");
+  const float width = (ImGui::GetContentRegionAvail().x - 2 * ImGui::GetStyle().ItemSpacing.x) / 3;
+  static constexpr std::array<std::array<const char*, 3>, 3> kSides = {
+      {{"Both", "plane.cut-keep-both", "Splits the piece along the whole plane"},
+       {"Above", "plane.cut-keep-above", "Removes the part below the plane"},
+       {"Below", "plane.cut-keep-below", "Removes the part above the plane"}}};
+  for (std::size_t n = 0; n < kSides.size(); ++n) {
+    if (n > 0) ImGui::SameLine();
+    if (ui::button(kSides[n][0], {width, 0})) runSaw(context, kSides[n][1]);
+    if (ImGui::IsItemHovered()) ui::setTooltip(kSides[n][2]);
+  }
+}
+
 void drawHint(const Sawing& saw) {
   const std::string hint = saw.picking.hint();
   if (hint.empty()) return;
@@ -188,6 +202,8 @@ void drawSawPanel(AppContext& context, SawPanelState& state, PanelColumn& column
     }
     if (saw.plan().chosen()) {
       drawSteppers(context);
+      ImGui::Separator();
+      drawCutAtOnce(context);
       ImGui::Separator();
       drawCut(context);
     }

@@ -1,0 +1,81 @@
+// Cuts of an object by planes: their numbers, and the sides that a piece is on.
+//
+// Frame: the object as loaded, mm. Above is the side that a normal points to.
+//
+//        above          the part above all planes
+//     ─────────── kerf  lost: half of it on either side of a plane
+//        rest           below at least one
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "geometry/base/types.h"
+
+namespace kerf {
+
+/// Planes of one cut. A value of fixed size: crosses queues without allocation.
+struct CutPlanes {
+  static constexpr std::size_t kMost = 4;
+  static constexpr double kMostKerf = 10;  ///< mm
+
+  double kerf_mm = 0;
+  std::uint32_t count = 0;
+  std::array<std::array<double, 6>, kMost> numbers{};  ///< each: normal (unit), point
+  bool operator==(const CutPlanes&) const = default;
+
+  void add(const Plane& plane) noexcept {
+    const Vec3d &n = plane.normal, &p = plane.point;
+    if (count < kMost) numbers[count++] = {n[0], n[1], n[2], p[0], p[1], p[2]};
+  }
+  Plane plane(std::size_t n) const noexcept {
+    const auto& v = numbers[n];
+    return {{v[3], v[4], v[5]}, {v[0], v[1], v[2]}};
+  }
+  std::vector<Plane> planes() const {
+    std::vector<Plane> out;
+    for (std::size_t n = 0; n < count; ++n) out.push_back(plane(n));
+    return out;
+  }
+  /// One plane at least, finite numbers, unit normals, and a kerf in range. @rt
+  bool isUsable() const noexcept {
+    if (count == 0 || count > kMost || !(kerf_mm >= 0 && kerf_mm <= kMostKerf)) return false;
+    for (std::size_t n = 0; n < count; ++n) {
+      const Plane p = plane(n);
+      if (!p.point.allFinite() || !(p.point.norm() < 1e5) || !(std::abs(p.normal.norm() - 1) < 1e-6)) return false;
+    }
+    return true;
+  }
+
+  /// Height of a point in the part above (`is_above`) or in the rest, mm: negative outside, at least the distance from
+  /// the other part within. @rt
+  double height(const Vec3d& p, bool is_above) const noexcept {
+    double least = plane(0).height(p);
+    for (std::size_t n = 1; n < count; ++n) least = std::min(least, plane(n).height(p));
+    return (is_above ? least : -least) - 0.5 * kerf_mm;
+  }
+  /// The plane that decides height(). @rt
+  std::size_t nearest(const Vec3d& p) const noexcept {
+    std::size_t out = 0;
+    for (std::size_t n = 1; n < count; ++n)
+      if (plane(n).height(p) < plane(out).height(p)) out = n;
+    return out;
+  }
+};
+
+/// One side of one cut.
+struct PlaneSide {
+  std::uint32_t cut = 0;  ///< number of the cut in its session or run: both of its parts have the same
+  bool is_above = true;
+  CutPlanes planes;
+  bool operator==(const PlaneSide&) const = default;
+};
+
+/// Sides of a piece, in the order of the cuts. Null: no plane cut it. Shared by the pieces of a split.
+using PlaneSides = std::shared_ptr<const std::vector<PlaneSide>>;
+
+}  // namespace kerf
