@@ -40,6 +40,11 @@ std::vector<Command> someCommands() {
     out.push_back(MoveObject{n, {a(0), a(1), a(2)}, {a(3), a(4), a(5), a(6)}});
     out.push_back(PlaceTool{{a(0), a(1), a(2)}, {a(3), a(4), a(5), a(6)}});
     out.push_back(SplitObject{n, a(0)});
+    CutByPlanes cut{n, static_cast<std::uint8_t>(n % 3), {}};
+    cut.planes.kerf_mm = a(0);
+    for (std::size_t k = 0; k <= n % CutPlanes::kMost; ++k)
+      cut.planes.numbers[cut.planes.count++] = {a(k), a(k + 1), a(k + 2), a(k + 3), a(k + 4), a(k + 5)};
+    out.push_back(cut);
   }
   return out;
 }
@@ -86,7 +91,8 @@ TEST(Command, TextsAreThoseOfTheLogFormat) {
       {SplitObject{0}, "pieces.split 0"},
       {SplitObject{0, 0.1}, "pieces.split 0 0.1"},
       {SplitObject{0, 1}, "pieces.split 0 1"},
-      {PlaceTool{{0, 0.05, -0.0}, {1, 0, 0, 1e-12}}, "tool.place 0 0.05 -0 1 0 0 1e-12"}};
+      {PlaceTool{{0, 0.05, -0.0}, {1, 0, 0, 1e-12}}, "tool.place 0 0.05 -0 1 0 0 1e-12"},
+      {CutByPlanes{2, 1, {0.3, 1, {{{0, 0, 1, 5, 6, 7.5}}}}}, "object.cut 2 1 0.3 0 0 1 5 6 7.5"}};
   EXPECT_EQ(std::size(texts), std::variant_size_v<Command> + 2);
   for (const auto& [command, text] : texts) {
     EXPECT_EQ(printCommand(command), text);
@@ -121,6 +127,8 @@ TEST(Command, OtherTextIsRefusedWithWhatWasFoundAndWhatIsExpected) {
                         {"object.move 0 1e999 0 0 1 0 0 0", "\"1e999\" in it", "with x y z: "},
                         {"object.hold 1,2", "\"1,2\" in it", "object.hold N"},
                         {"pieces.split", "ends too early", "pieces.split N [V]"},
+                        {"object.cut 0 0 0", "ends too early", "object.cut N KEEP kerf nx ny nz x y z ..."},
+                        {"object.cut 0 0 0 0 0 1 0 0", "ends too early", "object.cut N KEEP"},
                         {"pieces.split 0 much", "\"much\" in it", "with V: smaller pieces are crumbs"},
                         {"pieces.split 0 1 2", "\"2\" behind its end", "pieces.split N [V]"}};
   for (const Case& c : cases) {

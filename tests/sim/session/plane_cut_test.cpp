@@ -1,0 +1,182 @@
+// Cuts by planes in a session: exact fields, undo, snapshots, replay.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <cmath>
+
+#include "sim/pieces/plane_parts.h"
+#include "sim/run/files/log_sink.h"
+#include "sim/run/report/replay.h"
+#include "sim/session/session.h"
+#include "tests/sim/block_scene.h"
+#include "tests/support/temporary_file.h"
+
+namespace kerf::plane_cut_session_test {
+namespace {
+
+Rigid3 at(double x, double y, double z) { return {Eigen::Quaterniond::Identity(), {x, y, z}}; }
+
+Model ballModel() {
+  Model model;
+  model.tools = {practiceBall(0.65, 8400)};
+  model.tissues = test::oneTissue(200, 0.3, 1000);
+  model.settings.rendering = Rendering::kRigid;
+  model.settings.geometry_only = true;
+  return model;
+}
+
+CutByPlanes cutBy(PlaneKeep keep, const Plane& plane, double kerf_mm = 0, std::size_t object = 0) {
+  CutByPlanes out{object, static_cast<std::uint8_t>(keep), {}};
+  out.planes.kerf_mm = kerf_mm;
+  out.planes.add(plane);
+  return out;
+}
+
+double volumeOf(const CutObject& object) {
+  double out = 0;
+  for (const double v : object.bricks().countVolumes()) out += v;
+  return out;
+}
+
+// Across the bar, off the nodes.
+const Plane kAcross{{0.31, 0, 0}, {1, 0, 0}};
+
+class PlaneCutSession : public testing::Test {
+ protected:
+  Session session_{ballModel(), {test::block({6, 2, 1}, 0.1)}, at(-2, -1.8, 3)};
+  const std::vector<CutObject>& objects_ = session_.state().objects;
+};
+
+TEST_F(PlaneCutSession, BothPartsTogetherAreTheWhole) {
+  const double whole = volumeOf(objects_[0]);
+  ASSERT_TRUE(session_.apply(cutBy(PlaneKeep::kBoth, kAcross)));
+  ASSERT_EQ(objects_.size(), 2u);
+  EXPECT_NEAR(volumeOf(objects_[0]), 2 * (3 - 0.31), 0.02) << "above comes first";
+  EXPECT_NEAR(volumeOf(objects_[1]), 2 * (3 + 0.31), 0.02);
+  EXPECT_NEAR(volumeOf(objects_[0]) + volumeOf(objects_[1]), whole, 0.005);
+  EXPECT_NE(objects_[0].id, objects_[1].id);
+  for (const CutObject& part : objects_) EXPECT_EQ(part.bricks().shellDefects(), 0u);
+  EXPECT_EQ(session_.undoList().newest[0].kind, UndoStep::Kind::kPlaneCut);
+  EXPECT_EQ(session_.undoList().newest[0].removed_mm3, 0);
+}
+
+// The law of the part: phi = max(phi before, -height), at every node of any plane, kerf and side.
+RC_GTEST_PROP(PlaneCutOfASession, EveryNodeOfAPartIsTheGreaterOfFieldAndPlane, ()) {
+  const auto number = [](double low, double high) { return low + (high - low) * *rc::gen::inRange(0, 1000) / 1000.0; };
+  Session session(ballModel(), {test::block({2, 2, 1}, 0.1)}, at(0, 0, 5));
+  const Vec3d normal = Vec3d(number(-1, 1), number(-1, 1), number(-1, 1.001) + 0.0005).normalized();
+  const CutByPlanes cut = cutBy(*rc::gen::elementOf(std::vector{PlaneKeep::kAbove, PlaneKeep::kBelow}),
+                                {{number(-0.5, 0.5), number(-0.5, 0.5), number(-0.9, -0.1)}, normal}, number(0, 0.3));
+  const BrickField before = session.state().objects[0].bricks().field();
+  RC_PRE(session.apply(cut));
+  const CutObject& part = session.state().objects[0];
+  const bool is_above = cut.keep == static_cast<std::uint8_t>(PlaneKeep::kAbove);
+  for (std::size_t b = 0; b < before.brickCount(); ++b) {
+    const int slot = part.find(before.brickCoord(b));
+    for (int n = 0; n < kBrickNodes; ++n) {
+      const Vec3i node = before.brickCoord(b) * kBrickSide + Vec3i{n >> 6, n >> 3 & 7, n & 7};
+      const double height = cut.planes.height(before.position(node), is_above);
+      const float wanted = planePartValue(before.brick(b)[static_cast<std::size_t>(n)], height, before.background());
+      if (slot >= 0)
+        RC_ASSERT(part.slot(slot).phi[n] == wanted);
+      else
+        RC_ASSERT(wanted > 0);
+    }
+  }
+}
+
+TEST_F(PlaneCutSession, APartThatLeavesIsRemovedVolumeAndUndoBringsItBack) {
+  const double whole = volumeOf(objects_[0]);
+  const std::uint64_t hash = session_.hash();
+  ASSERT_TRUE(session_.apply(cutBy(PlaneKeep::kAbove, kAcross, 0.2)));
+  ASSERT_EQ(objects_.size(), 1u);
+  double removed = 0;
+  for (const double v : objects_[0].removed_before_mm3) removed += v;
+  EXPECT_NEAR(volumeOf(objects_[0]) + removed, whole, 1e-9);
+  EXPECT_NEAR(removed, 2 * (3 + 0.31 + 0.1), 0.02) << "with half of the kerf";
+  EXPECT_EQ(session_.undoList().newest[0].removed_mm3, removed);
+  const std::uint64_t cut = session_.hash();
+
+  ASSERT_TRUE(session_.apply(Undo{}));
+  EXPECT_EQ(session_.hash(), hash);
+  EXPECT_FALSE(session_.apply(Undo{}));
+  ASSERT_TRUE(session_.apply(Redo{}));
+  EXPECT_EQ(session_.hash(), cut);
+}
+
+TEST_F(PlaneCutSession, FourPlanesCutOutABlock) {
+  CutByPlanes cut = cutBy(PlaneKeep::kBoth, {{-0.52, 0, 0}, {1, 0, 0}});
+  cut.planes.add({{0.48, 0, 0}, {-1, 0, 0}});
+  cut.planes.add({{0, -0.53, 0}, {0, 1, 0}});
+  cut.planes.add({{0, 0.47, 0}, {0, -1, 0}});
+  ASSERT_TRUE(session_.apply(cut));
+  ASSERT_EQ(objects_.size(), 2u);
+  EXPECT_NEAR(volumeOf(objects_[0]), 1, 0.03);
+  EXPECT_NEAR(volumeOf(objects_[1]), 11, 0.1);
+}
+
+TEST_F(PlaneCutSession, APlaneBesideTheObjectAndBadNumbersAreRefused) {
+  const Plane beside{{9, 0, 0}, {1, 0, 0}};
+  const double nan = std::nan("");
+  CutByPlanes many = cutBy(PlaneKeep::kBoth, kAcross);
+  many.planes.count = CutPlanes::kMost + 1;
+  const CutByPlanes bad[] = {cutBy(PlaneKeep::kBoth, beside),
+                             cutBy(PlaneKeep::kAbove, beside),
+                             cutBy(PlaneKeep::kBoth, {{0, 0, 0}, {2, 0, 0}}),
+                             cutBy(PlaneKeep::kBoth, {{nan, 0, 0}, {1, 0, 0}}),
+                             cutBy(PlaneKeep::kBoth, kAcross, -1),
+                             cutBy(PlaneKeep::kBoth, kAcross, 11),
+                             cutBy(PlaneKeep::kBoth, kAcross, 0, 1),
+                             cutBy(static_cast<PlaneKeep>(3), kAcross),
+                             many};
+  for (const CutByPlanes& command : bad) EXPECT_FALSE(session_.apply(command)) << printCommand(command);
+  EXPECT_EQ(objects_.size(), 1u);
+  EXPECT_FALSE(session_.canUndo());
+}
+
+TEST(PlaneCutLog, ReplayAndSnapshotGiveTheSameBits) {
+  TemporaryFile file;
+  const LoadedObjects objects{test::block({6, 2, 1}, 0.1)};
+  std::uint64_t hash = 0;
+  {
+    auto writer = SessionLogWriter::create(file.path(), {});
+    ASSERT_TRUE(writer);
+    Session described(ballModel(), objects, at(-2, 0, 3));
+    writer = SessionLogWriter::create(file.path(), describe(described));
+    ASSERT_TRUE(writer) << writer.error().message();
+    LogSink sink(*writer);
+    Session session(ballModel(), objects, at(-2, 0, 3), &sink);
+    StepOutput out;
+    const auto drill = [&](double x) {
+      for (int n = 0; n < 200; ++n) session.tick(test::sampleAt(at(x, 0, 1.2 - 0.008 * n), 1), out);
+      session.tick(test::sampleAt(at(x, 0, 3), 0), out);
+    };
+    drill(-2);
+    ASSERT_TRUE(session.apply(cutBy(PlaneKeep::kBoth, kAcross)));
+    drill(1.5);
+    drill(0.31);  // through both faces
+    ASSERT_TRUE(session.apply(cutBy(PlaneKeep::kBelow, {{0, 0.2, 0}, {0, 1, 0}}, 0, 1)));
+    session.tick(test::sampleAt(at(0, 0, 3), 0), out);
+
+    const auto bytes = session.snapshot();
+    const auto state = unpackState(bytes, objects, "snapshot");
+    ASSERT_TRUE(state) << state.error().message();
+    EXPECT_EQ(state->hash(), session.hash());
+    for (std::size_t n = 0; n < state->objects.size(); ++n)
+      EXPECT_EQ(*state->objects[n].plane_sides, *session.state().objects[n].plane_sides);
+    EXPECT_EQ(packState(*state, objects), bytes);
+    session.finish();
+    hash = session.hash();
+    ASSERT_TRUE(writer->close());
+  }
+  const auto log = readSessionLog(file.path());
+  ASSERT_TRUE(log) << log.error().message();
+  const auto again = replay(*log, file.path().string(), ballModel(), objects);
+  ASSERT_TRUE(again) << again.error().message();
+  EXPECT_TRUE(again->is_same);
+  EXPECT_EQ(again->hash, hash);
+}
+
+}  // namespace
+}  // namespace kerf::plane_cut_session_test
