@@ -33,9 +33,9 @@ struct PlaneCut {
 /// Both parts hold the guarantees of postOperativeMesh(): uncut vertices stay bit for bit; the result is closed,
 /// 2-manifold and free of self-intersections after rounding to float32. Otherwise an error.
 /// @param planes  at least one, at most kMostCutPlanes; normals of any length but 0.   @pre source: as in
-/// postOperativeMesh(). Errors: kBadValue for a plane without direction or not finite, or a negative kerf; kEmpty if nothing lies above, or
-/// nothing below, with the heights of the solid; kGeometry for planes without common space, for pieces too close to
-/// separate (`piece_at`), and if float32 has no such mesh.
+/// postOperativeMesh(). Errors: kBadValue for a plane without direction or not finite, or a negative kerf; kEmpty if
+/// nothing lies above, or nothing below, with the heights of the solid; kGeometry for planes without common space, for
+/// pieces too close to separate (`piece_at`), and if float32 has no such mesh.
 /// @cost  about 0.5 s for 100k triangles. @thread any; deterministic.
 Expected<PlaneCut> cutByPlanes(const Mesh& source, std::span<const Plane> planes, const PlaneCutOptions& options = {},
                                const Progress& progress = {});

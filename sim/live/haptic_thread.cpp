@@ -215,7 +215,8 @@ void HapticThread::State::pauseFor(const Work& work) noexcept {
 bool HapticThread::State::handleCommands() noexcept {
   if (maker && maker->isBusy()) return false;  // they wait
   if (maker)
-    if (const auto is_cut = maker->takeAnswer()) ++(*is_cut ? report.counts.commands_done : report.counts.commands_refused);
+    if (const auto is_cut = maker->takeAnswer())
+      ++(*is_cut ? report.counts.commands_done : report.counts.commands_refused);
   bool has_paused = false;
   Command next;
   for (int n = 0; n < kCommandsATick && commands.pop(next); ++n) {

@@ -250,8 +250,7 @@ void PieceMaker::preparePieces(Subscriber& whole) {
                                &pools_[whole.baked.get()], options_.is_parallel);
   }
   crumbs_from_ = monotonicNow() + kCrumbPause;
-  request_.is_apart =
-      !request_.made && !request_.is_order && whole.finder->find().pieces.size() > request_.most;
+  request_.is_apart = !request_.made && !request_.is_order && whole.finder->find().pieces.size() > request_.most;
   if (!request_.made || !request_.made->parts) return;
 
   for (std::size_t n = 0; n < request_.made->origins.size(); ++n) {

@@ -195,7 +195,7 @@ class PieceMaker {
   bool is_freezing_ = false;
   bool has_cut_ = false;
   std::optional<bool> answer_;  // to the last order
-  std::size_t frozen_ = 0;  // index of the object
+  std::size_t frozen_ = 0;      // index of the object
   std::int64_t frozen_at_ns_ = 0;
 
   std::thread thread_;

@@ -67,6 +67,9 @@ struct CutPlanes {
   }
 };
 
+/// Parts that stay; the other one leaves the scene.
+enum class PlaneKeep : std::uint8_t { kBoth = 0, kAbove = 1, kBelow = 2 };
+
 /// One side of one cut.
 struct PlaneSide {
   std::uint32_t cut = 0;  ///< number of the cut in its session or run: both of its parts have the same

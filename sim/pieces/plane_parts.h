@@ -9,9 +9,6 @@
 
 namespace kerf {
 
-/// Parts that stay; the other one leaves the scene.
-enum class PlaneKeep : std::uint8_t { kBoth = 0, kAbove = 1, kBelow = 2 };
-
 /// Value of a part's field at a node: max(phi, -height), at most the background. @rt
 inline float planePartValue(float phi, double height, float background) noexcept {
   return std::max(phi, std::min(static_cast<float>(-height), background));

@@ -193,8 +193,8 @@ bool Session::perform(const CutByPlanes& command) {
   if (hasFrozen() && !whole.isFrozen()) return false;
   while (whole.dirtyCount() > 0 && !whole.repair())
     if (!whole.reserve(reserveFor(whole))) return false;
-  const auto made = makePlaneParts(whole, command.planes, static_cast<PlaneKeep>(command.keep), state_.next_id,
-                                   state_.next_id);
+  const auto made =
+      makePlaneParts(whole, command.planes, static_cast<PlaneKeep>(command.keep), state_.next_id, state_.next_id);
   return made && put(*made);
 }
 

@@ -65,8 +65,8 @@ class Session {
   bool applyWithin(const Command& command);
   /// Updates the shells after undo or redo. False: an object needs free bricks first; then call again. No allocation.
   bool repair() noexcept;
-  /// Pieces for the next SplitObject or CutByPlanes of this object. They were made while the object was frozen, and the object has not
-  /// changed since. @rt
+  /// Pieces for the next SplitObject or CutByPlanes of this object. They were made while the object was frozen, and the
+  /// object has not changed since. @rt
   void offer(std::size_t object, std::unique_ptr<ObjectPieces> made) noexcept;
   /// Returns the offer, used or not. @rt
   std::unique_ptr<ObjectPieces> takeOffer() noexcept { return std::move(offered_); }

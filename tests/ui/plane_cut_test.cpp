@@ -21,8 +21,11 @@ namespace fs = std::filesystem;
 class CutAtOnce : public test::OnABlock {
  protected:
   std::size_t pieces() const { return bench_.document->report().object_count; }
+  Expected<void> command(const char* id, std::vector<std::string> words = {}) {
+    return runAppCommand(context_, id, words);
+  }
   Expected<void> cut(const std::string& side) {
-    KERF_CHECK(runAppCommand(context_, "plane.cut", {side}));
+    KERF_CHECK(command("plane.cut", {side}));
     const std::uint64_t sent = bench_.document->sent();
     until([&] { return bench_.document->answered() >= sent; });
     bench_.update();
@@ -34,15 +37,10 @@ class CutAtOnce : public test::OnABlock {
     until([&] { return !bench_.jobs->running(); });
     return run;
   }
-  bool complains() const {
-    for (const Notice& notice : bench_.notices->list())
-      if (notice.text.find("one side") != std::string::npos) return true;
-    return false;
-  }
 };
 
 TEST_F(CutAtOnce, ExportsTheMeshOfKerfTrimToTheBit) {
-  ASSERT_TRUE(runAppCommand(context_, "saw.plane", {"0.13", "0", "-0.2", "1", "0.1", "0.05"}));
+  ASSERT_TRUE(command("saw.plane", {"0.13", "0", "-0.2", "1", "0.1", "0.05"}));
   const SawPlane plane = *bench_.saw->plan().chosen();
   const auto solid = readCaseSolid(bench_.document->run()->caseFolder());
   ASSERT_TRUE(solid);
@@ -64,14 +62,14 @@ TEST_F(CutAtOnce, ExportsTheMeshOfKerfTrimToTheBit) {
 }
 
 TEST_F(CutAtOnce, BothPartsAreExportedAndAContinuedSessionHasBoth) {
-  ASSERT_TRUE(runAppCommand(context_, "saw.plane", {"0.13", "0", "-0.2", "1", "0", "0"}));
+  ASSERT_TRUE(command("saw.plane", {"0.13", "0", "-0.2", "1", "0", "0"}));
   const SawPlane plane = *bench_.saw->plan().chosen();
   const fs::path case_folder = bench_.document->run()->caseFolder();
   ASSERT_TRUE(cut("both"));
   ASSERT_EQ(pieces(), 2u);
-  ASSERT_TRUE(runAppCommand(context_, "edit.undo", {}));
+  ASSERT_TRUE(command("edit.undo"));
   until([&] { return pieces() == 1; });
-  ASSERT_TRUE(runAppCommand(context_, "edit.redo", {}));
+  ASSERT_TRUE(command("edit.redo"));
   until([&] { return pieces() == 2; });
 
   const fs::path run = end();
@@ -94,12 +92,12 @@ TEST_F(CutAtOnce, BothPartsAreExportedAndAContinuedSessionHasBoth) {
 }
 
 TEST_F(CutAtOnce, APlaneThatMissesIsReported) {
-  ASSERT_TRUE(runAppCommand(context_, "saw.plane", {"0.13", "0", "-0.2", "1", "0", "0"}));
-  ASSERT_TRUE(runAppCommand(context_, "saw.move", {"50"}));
-  const auto missed = runAppCommand(context_, "plane.cut", {"both"});
+  ASSERT_TRUE(command("saw.plane", {"0.13", "0", "-0.2", "1", "0", "0"}));
+  ASSERT_TRUE(command("saw.move", {"50"}));
+  const auto missed = command("plane.cut", {"both"});
   ASSERT_FALSE(missed);
   EXPECT_EQ(missed.error().code, Error::Code::kEmpty);
-  EXPECT_FALSE(runAppCommand(context_, "plane.cut", {"left"}));
+  EXPECT_FALSE(command("plane.cut", {"left"}));
 }
 
 }  // namespace

@@ -101,8 +101,7 @@ std::vector<std::size_t> piecesOfSolids(const Mesh& mesh, const Solids& solids,
     double nearest = 0;
     for (std::size_t k = 0; known[s] == kNone && k < out.size(); ++k) {
       if (known[k] == kNone) continue;
-      const Vec3d apart =
-          (boxes[k].min - boxes[s].max).cwiseMax(boxes[s].min - boxes[k].max).cwiseMax(Vec3d::Zero());
+      const Vec3d apart = (boxes[k].min - boxes[s].max).cwiseMax(boxes[s].min - boxes[k].max).cwiseMax(Vec3d::Zero());
       if (out[s] != kNone && apart.norm() >= nearest) continue;
       nearest = apart.norm();
       out[s] = known[k];
@@ -200,8 +199,9 @@ Expected<PostOpMesh> planePartsMesh(const Mesh& solid, const BrickField& phi0, c
     KERF_TRY(part, postOperativeMeshOf(solid, fields ? fields->begin : phi0, fields ? fields->changed : changed,
                                        options, progress));
     for (std::size_t n = 0; n < group.size(); ++n) {
-      keepSolids(part, pieces, [&](const RunManifest::Piece& piece) { return beginsWith(piece.sides, group, n) &&
-                                       piece.sides.size() > n && piece.sides[n].cut == group[n].cut; });
+      keepSolids(part, pieces, [&](const RunManifest::Piece& piece) {
+        return beginsWith(piece.sides, group, n) && piece.sides.size() > n && piece.sides[n].cut == group[n].cut;
+      });
       KERF_CHECK(cutOnce(part, group[n], options, progress));
     }
     keepSolids(part, pieces, [&](const RunManifest::Piece& piece) { return piece.sides == group; });

@@ -9,8 +9,8 @@
 
 #include "sim/pieces/joined_field.h"
 #include "sim/run/export/export_bundle.h"
-#include "sim/run/export/plane_parts_mesh.h"
 #include "sim/run/export/placed_pieces.h"
+#include "sim/run/export/plane_parts_mesh.h"
 #include "sim/run/files/removed_volumes.h"
 #include "sim/run/files/run_files.h"
 #include "sim/run/files/run_output.h"
@@ -393,7 +393,8 @@ Expected<LiveResult> LiveRun::postOperative(const SceneCopy& scene, const PostOp
   const bool was_cut_before = other ? other->known.has_begin : !options_.from.empty();
   const bool is_whole = parts.size() == 1 && !first->begin && !was_cut_before;
   const bool is_cut = !other && areCutByPlanes(out.pieces);
-  if (other || (parts.size() == 1 && !is_cut && !out.pieces.front().isMoved() && !isNamedByUser(out.pieces.front().name)))
+  if (other ||
+      (parts.size() == 1 && !is_cut && !out.pieces.front().isMoved() && !isNamedByUser(out.pieces.front().name)))
     out.pieces.clear();
   else
     for (std::size_t n = 0; n < parts.size(); ++n) out.pieces[n].inside = deepestPoint(parts[n]);

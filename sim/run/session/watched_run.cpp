@@ -238,9 +238,12 @@ std::optional<SceneView> WatchedRun::viewScene() const {
     const auto shown = std::find_if(shown_.begin(), shown_.end(), [&](const Shown& s) { return s.id == object.id; });
     if (shown == shown_.end()) return {};  // pieces appear some ms before their meshers
     const auto name = known.find(object.id);
-    out.objects.push_back({object.id, object.loaded,
+    out.objects.push_back({object.id,
+                           object.loaded,
                            name == known.end() ? fmt::format("piece {}", n + 1) : name->second.name,
-                           object.T_world_object, shown->mesher, {}});
+                           object.T_world_object,
+                           shown->mesher,
+                           {}});
   }
   return out;
 }

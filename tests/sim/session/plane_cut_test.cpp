@@ -1,14 +1,16 @@
 // Cuts by planes in a session: exact fields, undo, snapshots, replay.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <rapidcheck/gtest.h>
 
 #include <cmath>
+#include <filesystem>
+#include <random>
 
 #include "sim/pieces/plane_parts.h"
 #include "sim/run/files/log_sink.h"
 #include "sim/run/report/replay.h"
 #include "sim/session/session.h"
+#include "sim/session/state_bytes.h"
 #include "tests/sim/block_scene.h"
 #include "tests/support/temporary_file.h"
 
@@ -52,8 +54,8 @@ TEST_F(PlaneCutSession, BothPartsTogetherAreTheWhole) {
   const double whole = volumeOf(objects_[0]);
   ASSERT_TRUE(session_.apply(cutBy(PlaneKeep::kBoth, kAcross)));
   ASSERT_EQ(objects_.size(), 2u);
-  EXPECT_NEAR(volumeOf(objects_[0]), 2 * (3 - 0.31), 0.02) << "above comes first";
-  EXPECT_NEAR(volumeOf(objects_[1]), 2 * (3 + 0.31), 0.02);
+  EXPECT_NEAR(volumeOf(objects_[0]), 2 * (3 - 0.31), 0.06) << "above comes first";
+  EXPECT_NEAR(volumeOf(objects_[1]), 2 * (3 + 0.31), 0.06);
   EXPECT_NEAR(volumeOf(objects_[0]) + volumeOf(objects_[1]), whole, 0.005);
   EXPECT_NE(objects_[0].id, objects_[1].id);
   for (const CutObject& part : objects_) EXPECT_EQ(part.bricks().shellDefects(), 0u);
@@ -62,27 +64,31 @@ TEST_F(PlaneCutSession, BothPartsTogetherAreTheWhole) {
 }
 
 // The law of the part: phi = max(phi before, -height), at every node of any plane, kerf and side.
-RC_GTEST_PROP(PlaneCutOfASession, EveryNodeOfAPartIsTheGreaterOfFieldAndPlane, ()) {
-  const auto number = [](double low, double high) { return low + (high - low) * *rc::gen::inRange(0, 1000) / 1000.0; };
-  Session session(ballModel(), {test::block({2, 2, 1}, 0.1)}, at(0, 0, 5));
-  const Vec3d normal = Vec3d(number(-1, 1), number(-1, 1), number(-1, 1.001) + 0.0005).normalized();
-  const CutByPlanes cut = cutBy(*rc::gen::elementOf(std::vector{PlaneKeep::kAbove, PlaneKeep::kBelow}),
-                                {{number(-0.5, 0.5), number(-0.5, 0.5), number(-0.9, -0.1)}, normal}, number(0, 0.3));
-  const BrickField before = session.state().objects[0].bricks().field();
-  RC_PRE(session.apply(cut));
-  const CutObject& part = session.state().objects[0];
-  const bool is_above = cut.keep == static_cast<std::uint8_t>(PlaneKeep::kAbove);
-  for (std::size_t b = 0; b < before.brickCount(); ++b) {
-    const int slot = part.find(before.brickCoord(b));
-    for (int n = 0; n < kBrickNodes; ++n) {
-      const Vec3i node = before.brickCoord(b) * kBrickSide + Vec3i{n >> 6, n >> 3 & 7, n & 7};
-      const double height = cut.planes.height(before.position(node), is_above);
-      const float wanted = planePartValue(before.brick(b)[static_cast<std::size_t>(n)], height, before.background());
-      if (slot >= 0)
-        RC_ASSERT(part.slot(slot).phi[n] == wanted);
-      else
-        RC_ASSERT(wanted > 0);
+TEST(PlaneCutOfASession, EveryNodeOfAPartIsTheGreaterOfFieldAndPlane) {
+  std::mt19937 random(1);
+  const auto number = [&](double low, double high) { return std::uniform_real_distribution(low, high)(random); };
+  const auto block = test::block({2, 2, 1}, 0.1);
+  for (int n = 0; n < 40; ++n) {
+    Session session(ballModel(), {block}, at(0, 0, 5));
+    const Vec3d normal = Vec3d(number(-1, 1), number(-1, 1), number(-1, 1)).normalized();
+    const bool is_above = n % 2 == 0;
+    const Vec3d point(number(-0.5, 0.5), number(-0.5, 0.5), number(-0.9, -0.1));
+    const CutByPlanes cut =
+        cutBy(is_above ? PlaneKeep::kAbove : PlaneKeep::kBelow, {point, normal}, n % 3 == 0 ? 0 : number(0, 0.3));
+    const BrickField before = session.state().objects[0].bricks().field();
+    ASSERT_TRUE(session.apply(cut)) << printCommand(cut);
+    const CutObject& part = session.state().objects[0];
+    std::size_t wrong = 0;
+    for (std::size_t b = 0; b < before.brickCount(); ++b) {
+      const int slot = part.find(before.brickCoord(b));
+      for (int k = 0; k < kBrickNodes; ++k) {
+        const Vec3i node = before.brickCoord(b) * kBrickSide + Vec3i{k >> 6, k >> 3 & 7, k & 7};
+        const double height = cut.planes.height(before.position(node), is_above);
+        const float wanted = planePartValue(before.brick(b)[static_cast<std::size_t>(k)], height, before.background());
+        wrong += slot >= 0 ? part.slot(slot).phi[k] != wanted : wanted <= 0;
+      }
     }
+    EXPECT_EQ(wrong, 0u) << printCommand(cut);
   }
 }
 
@@ -94,7 +100,7 @@ TEST_F(PlaneCutSession, APartThatLeavesIsRemovedVolumeAndUndoBringsItBack) {
   double removed = 0;
   for (const double v : objects_[0].removed_before_mm3) removed += v;
   EXPECT_NEAR(volumeOf(objects_[0]) + removed, whole, 1e-9);
-  EXPECT_NEAR(removed, 2 * (3 + 0.31 + 0.1), 0.02) << "with half of the kerf";
+  EXPECT_NEAR(removed, 2 * (3 + 0.31 + 0.1), 0.06) << "with half of the kerf";
   EXPECT_EQ(session_.undoList().newest[0].removed_mm3, removed);
   const std::uint64_t cut = session_.hash();
 
@@ -136,14 +142,12 @@ TEST_F(PlaneCutSession, APlaneBesideTheObjectAndBadNumbersAreRefused) {
 }
 
 TEST(PlaneCutLog, ReplayAndSnapshotGiveTheSameBits) {
-  TemporaryFile file;
+  const TemporaryFile file("session.log", "");
+  std::filesystem::remove(file.path());
   const LoadedObjects objects{test::block({6, 2, 1}, 0.1)};
-  std::uint64_t hash = 0;
+  std::string hash;
   {
-    auto writer = SessionLogWriter::create(file.path(), {});
-    ASSERT_TRUE(writer);
-    Session described(ballModel(), objects, at(-2, 0, 3));
-    writer = SessionLogWriter::create(file.path(), describe(described));
+    auto writer = SessionLogWriter::create(file.path(), describe(Session(ballModel(), objects, at(-2, 0, 3))));
     ASSERT_TRUE(writer) << writer.error().message();
     LogSink sink(*writer);
     Session session(ballModel(), objects, at(-2, 0, 3), &sink);
@@ -167,15 +171,15 @@ TEST(PlaneCutLog, ReplayAndSnapshotGiveTheSameBits) {
       EXPECT_EQ(*state->objects[n].plane_sides, *session.state().objects[n].plane_sides);
     EXPECT_EQ(packState(*state, objects), bytes);
     session.finish();
-    hash = session.hash();
-    ASSERT_TRUE(writer->close());
+    hash = fmt::format("{:016x}", session.hash());
+    ASSERT_TRUE(sink.close());
   }
   const auto log = readSessionLog(file.path());
   ASSERT_TRUE(log) << log.error().message();
   const auto again = replay(*log, file.path().string(), ballModel(), objects);
   ASSERT_TRUE(again) << again.error().message();
-  EXPECT_TRUE(again->is_same);
-  EXPECT_EQ(again->hash, hash);
+  EXPECT_TRUE(again->is_same) << again->differs_at;
+  EXPECT_EQ(again->state_hash, hash);
 }
 
 }  // namespace

@@ -202,7 +202,8 @@ constexpr AppCommand kRows[] = {
     {"saw.cut", "Saw", "Cut this plane", "", "[NEWTONS]",
      "Cuts the chosen plane with the current saw. NEWTONS limits the push (default 5 N).", hasPlane, cut},
     {"plane.cut", "", "", "", "[both|above|below] [KERF]",
-     "Cuts by the chosen plane at once and exactly, without bounds. Above is the side of its arrow. KERF in mm is lost.",
+     "Cuts by the chosen plane at once and exactly, without bounds. Above is the side of its arrow. KERF in mm is "
+     "lost.",
      hasPlane, cutAtOnce},
     {"plane.cut-keep-both", "Saw:2", "Cut at once, keep both", "", "", "Cuts by the chosen plane at once.", hasPlane,
      keepBoth},

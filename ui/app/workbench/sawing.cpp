@@ -190,6 +190,20 @@ Expected<void> Sawing::addAlongFace(const Ray& at, double below_mm) {
 
 Expected<void> Sawing::addAt(const Vec3d& point, const Vec3d& normal) {
   KERF_TRY(plane, planeSquareTo(point, normal));
+  auto added = addFitted(plane, {});
+  if (added || added.error().code != Error::Code::kEmpty || !bench_.document->isOpen()) return added;
+
+  // The point lies beside the object, but the plane may pass through it: bounds it where the surface is nearest.
+  KERF_TRY(solid, readCaseSolid(bench_.document->run()->caseFolder()));
+  const Plane wanted{plane.point, plane.normal};
+  const auto away = [&](const Vec3d& p) {  // from the plane, then from the point
+    constexpr double kInPlane = 0.2;       // mm
+    return std::pair(std::max(std::abs(wanted.height(p)), kInPlane), (p - point).norm());
+  };
+  const auto nearest = std::min_element(solid.vertices.begin(), solid.vertices.end(),
+                                        [&](const Vec3d& a, const Vec3d& b) { return away(a) < away(b); });
+  if (nearest == solid.vertices.end()) return added;
+  plane.point = *nearest - wanted.height(*nearest) * plane.normal;
   return addFitted(plane, {});
 }
 

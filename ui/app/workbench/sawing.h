@@ -5,13 +5,13 @@
 
 #include <array>
 #include <chrono>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
 
 #include "geometry/tool/saw_blade.h"
-#include "sim/pieces/plane_parts.h"
 #include "ui/app/document/part.h"
 #include "ui/app/saw/saw_clearance.h"
 #include "ui/app/saw/saw_plan.h"
@@ -22,6 +22,7 @@
 namespace kerf {
 
 class Workbench;
+enum class PlaneKeep : std::uint8_t;
 struct FitOptions;
 struct GuidedReport;
 
