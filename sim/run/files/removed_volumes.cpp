@@ -134,6 +134,34 @@ PieceCount countPieces(const BrickField& phi0, const BrickField& cut) {
   return {found.pieces.size(), found.crumbs.size()};
 }
 
+BrickField withoutPlaneFaces(BrickField cut, const BrickField& phi0, std::span<const RunManifest::Piece> pieces) {
+  std::vector<CutPlanes> closed;
+  for (const RunManifest::Piece& piece : pieces)
+    for (const PlaneSide& side : piece.sides) {
+      const auto isOther = [&](const PlaneSide& s) { return s.cut == side.cut && !s.is_above; };
+      const auto hasOther = [&](const RunManifest::Piece& other) { return std::ranges::any_of(other.sides, isOther); };
+      const bool is_new = std::ranges::find(closed, side.planes) == closed.end();
+      if (side.is_above && side.planes.kerf_mm == 0 && is_new && std::ranges::any_of(pieces, hasOther))
+        closed.push_back(side.planes);
+    }
+  if (closed.empty()) return cut;
+
+  for (std::size_t b = 0; b < cut.brickCount(); ++b) {
+    const Vec3i coord = cut.brickCoord(b);
+    const BrickValues* const stored = phi0.valuesAt(coord);
+    for (int n = 0; n < kBrickNodes; ++n) {
+      const auto i = static_cast<std::size_t>(n);
+      const float before = stored ? (*stored)[i] : phi0.constantAt(coord);
+      float& now = cut.brick(b)[i];
+      if (now == before || now > 0) continue;
+      const Vec3d p = phi0.position(coord * kBrickSide + Vec3i{n >> 6, n >> 3 & 7, n & 7});
+      for (const CutPlanes& planes : closed)
+        if (now == std::max(before, -static_cast<float>(std::abs(planes.height(p, true))))) now = before;
+    }
+  }
+  return cut;
+}
+
 VolumeByNumber removedVolumes(const BrickField& phi0, const BrickField& cut, const MaterialsOf& materials) {
   return removedVolumes(phi0, cut, materials, materials);
 }

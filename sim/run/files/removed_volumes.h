@@ -9,6 +9,7 @@
 #include "geometry/field/material_field.h"
 #include "sim/object/baked_object.h"
 #include "sim/run/files/haptic_summary.h"
+#include "sim/run/files/run_manifest.h"
 
 namespace kerf::internal {
 
@@ -21,6 +22,11 @@ VolumeByNumber removedVolumes(const BrickField& phi0, const BrickField& cut, con
 /// The same where materials change because some was added: added material counts below 0.
 VolumeByNumber removedVolumes(const BrickField& phi0, const BrickField& cut, const MaterialsOf& before,
                               const MaterialsOf& after);
+
+/// The cut with its plane faces closed, where both parts are left and no kerf is lost: nodes beside such a face count
+/// as whole. Nodes that a stroke changed stay as they are.
+/// @param pieces  of the run.
+BrickField withoutPlaneFaces(BrickField cut, const BrickField& phi0, std::span<const RunManifest::Piece> pieces);
 
 /// mm^3 that two cuts of one object both remove: the lesser of the two, node by node.
 double commonVolume(const BrickField& phi0, const BrickField& one, const BrickField& other);

@@ -258,8 +258,9 @@ Expected<void> countVolumes(const fs::path& run_folder, RunReport& out) {
   KERF_TRY(known, readRunMaterials(run_folder));
   KERF_TRY(labels, readRunLabels(case_folder, known));
   const Material fallback = fallbackOf(in_case);
+  const BrickField whole = internal::withoutPlaneFaces(std::move(cut), fields.phi0, out.manifest.pieces);
   internal::VolumeByNumber removed = internal::removedVolumes(
-      fields.phi0, cut, internal::materialsOf(fields.materials, fallback), internal::materialsOf(labels, fallback));
+      fields.phi0, whole, internal::materialsOf(fields.materials, fallback), internal::materialsOf(labels, fallback));
   internal::VolumeByNumber added{};
   for (std::size_t m = 0; m < removed.size() && !known.isEmpty(); ++m) {
     if (removed[m] >= 0) continue;

@@ -206,7 +206,8 @@ Expected<void> LiveRun::loadWhatIsCut() {
   KERF_TRY(original, readCaseField(case_folder_));
   KERF_CHECK(requireOnlyTaken(options_.from, before, begin, original));
   original_ = std::make_shared<const BrickField>(std::move(original));
-  KERF_TRY(removed, takenOff(case_folder_, *original_, begin, *object_, added));
+  KERF_TRY(removed, takenOff(case_folder_, *original_, internal::withoutPlaneFaces(begin, *original_, before.pieces),
+                             *object_, added));
   removed_before_ = removed;
   added_before_ = internal::addedVolume(*original_, begin, added);
   pieces_before_ = before.pieces;

@@ -94,6 +94,7 @@ void releaseFrozen(SessionLog& log, std::uint64_t tick) {
     if (const auto freeze = commandIn<FreezeObject>(event)) frozen.insert(freeze->object);
     if (const auto release = commandIn<UnfreezeObject>(event)) frozen.erase(release->object);
     if (const auto split = commandIn<SplitObject>(event)) frozen.erase(split->object);
+    if (const auto cut = commandIn<CutByPlanes>(event)) frozen.erase(cut->object);
   }
   for (const std::size_t object : frozen)
     log.events.push_back({tick, log.samples.size(), SessionCommand{printCommand(UnfreezeObject{object})}});

@@ -69,6 +69,8 @@ const char* nameOf(WatchedStep::Kind kind) {
       return "stroke";
     case WatchedStep::Kind::kMove:
       return "piece moved";
+    case WatchedStep::Kind::kPlaneCut:
+      return "plane cut";
     case WatchedStep::Kind::kUndo:
       return "undone";
     case WatchedStep::Kind::kRedo:
