@@ -167,6 +167,16 @@ bool beginsWith(const Sides& sides, const Sides& begin, std::size_t count) {
 
 // Counts what the parts together hold.
 void countTogether(PostOpMesh& all, const Mesh& solid) {
+  // Each cut took the walls of the strokes for its source: a source vertex has the coordinates of one in the solid.
+  const auto isBefore = [](const Vec3d& a, const Vec3d& b) {
+    return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
+  };
+  std::vector<Vec3d> known = solid.vertices;
+  std::sort(known.begin(), known.end(), isBefore);
+  for (std::size_t v = 0; v < all.is_source.size(); ++v)
+    all.is_source[v] =
+        all.is_source[v] && std::binary_search(known.begin(), known.end(), all.mesh.vertices[v], isBefore);
+
   PostOpReport& r = all.report;
   r.source_volume_mm3 = signedVolume(solid);
   r.result_volume_mm3 = signedVolume(all.mesh);

@@ -6,9 +6,14 @@
 #include <filesystem>
 #include <random>
 
+#include "geometry/mesh/mesh_check.h"
+#include "sim/pieces/joined_field.h"
 #include "sim/pieces/plane_parts.h"
+#include "sim/run/export/placed_pieces.h"
+#include "sim/run/export/plane_parts_mesh.h"
 #include "sim/run/files/log_sink.h"
 #include "sim/run/report/replay.h"
+#include "sim/run/session/session_pieces.h"
 #include "sim/session/session.h"
 #include "sim/session/state_bytes.h"
 #include "tests/sim/block_scene.h"
@@ -139,6 +144,62 @@ TEST_F(PlaneCutSession, APlaneBesideTheObjectAndBadNumbersAreRefused) {
   for (const CutByPlanes& command : bad) EXPECT_FALSE(session_.apply(command)) << printCommand(command);
   EXPECT_EQ(objects_.size(), 1u);
   EXPECT_FALSE(session_.canUndo());
+}
+
+// A box of the same size as test::block({6, 2, 1}).
+Mesh boxMesh() {
+  Mesh out;
+  for (int n = 0; n < 8; ++n) out.vertices.push_back({n & 1 ? 3.0 : -3.0, n & 2 ? 1.0 : -1.0, n & 4 ? 0.0 : -1.0});
+  out.triangles = {{4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4}, {2, 6, 3}, {3, 6, 7},
+                   {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}, {0, 2, 1}, {1, 2, 3}};
+  return out;
+}
+
+// A hole drilled before or after the cut, through both new faces: its wall crosses the plane, without a rim or a film.
+TEST(PlaneCutExport, StrokesAcrossThePlaneAreExportedToBothFaces) {
+  constexpr double kRadius = 0.65, kDeepest = -0.4;  // mm, of the ball
+  const double drilled = kAcross.point[0] + 0.2;
+  for (const bool is_before : {true, false}) {
+    Session session(ballModel(), {test::block({6, 2, 1}, 0.1)}, at(drilled, 0, 3));
+    StepOutput out;
+    const auto drill = [&] {
+      for (int n = 0; n <= 800; ++n)
+        session.tick(test::sampleAt(at(drilled, 0, 0.4 - (0.4 - kDeepest) * std::min(n, 400) / 400), 1), out);
+      session.tick(test::sampleAt(at(drilled, 0, 3), 0), out);
+    };
+    if (is_before) drill();
+    ASSERT_TRUE(session.apply(cutBy(PlaneKeep::kBoth, kAcross)));
+    if (!is_before) drill();
+
+    const internal::Objects objects = internal::objectsOf(session, 0);
+    const std::vector<BrickField> fields = internal::fieldsOf(objects);
+    const std::vector<RunManifest::Piece> pieces = internal::piecesOf(objects, fields, {});
+    std::vector<FieldPart> parts;
+    for (const BrickField& field : fields) parts.push_back({.begin = &field});
+    const BrickField& phi0 = objects.front()->baked().phi0();
+    const auto made = planePartsMesh(boxMesh(), phi0, joinedChanges(phi0, parts), pieces);
+    ASSERT_TRUE(made) << made.error().message();
+    const auto placed = placedPieces(made->mesh, pieces);
+    ASSERT_TRUE(placed) << placed.error().message();
+    ASSERT_EQ(placed->size(), 2u);
+    for (std::size_t n = 0; n < 2; ++n) {
+      const Mesh& half = (*placed)[n].mesh;
+      const MeshReport report = checkMesh(half);
+      EXPECT_TRUE(report.print_ready) << (report.reasons.empty() ? "" : report.reasons.front());
+      EXPECT_NEAR(signedVolume(half), volumeOf(*objects[n]), 0.08);
+    }
+
+    // Every new vertex lies on the plane or on the wall of the hole.
+    double worst = 0;
+    for (std::size_t v = 0; v < made->mesh.vertices.size(); ++v) {
+      if (made->is_source[v]) continue;
+      const Vec3d& p = made->mesh.vertices[v];
+      const Vec3d axis(drilled, 0, std::max(p[2], kDeepest + kRadius));
+      if (std::abs(kAcross.height(p)) > 1e-4) worst = std::max(worst, std::abs((p - axis).norm() - kRadius));
+    }
+    EXPECT_GT(worst, 0) << "the hole has a wall";
+    EXPECT_LT(worst, 0.08) << is_before;
+  }
 }
 
 TEST(PlaneCutLog, ReplayAndSnapshotGiveTheSameBits) {
