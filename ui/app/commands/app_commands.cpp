@@ -19,7 +19,7 @@ std::vector<AppCommand> allTables() {
         quit::table(), edit_commands::table(), settings_commands::table(), device_commands::table(),
         tool_commands::table(), stroke_commands::table(), piece_commands::table(), neighbour_commands::table(),
         saw_commands::table(), point_commands::table(), view_commands::table(), tooth_views::table(),
-        tissue_commands::table()})
+        tissue_commands::table(), help_commands::table()})
     out.insert(out.end(), table.begin(), table.end());
   return out;
 }

@@ -36,11 +36,17 @@ class PanelSwitches {
   std::map<std::string, bool, std::less<>> is_on_;
 };
 
+/// Pixels of the picture that panels cover, at each side.
+struct ViewMargins {
+  int left = 0, top = 0, right = 0, bottom = 0;
+};
+
 /// State that a command reads and changes.
 struct AppContext {
   Workbench& bench;
   Camera& camera;
   int width = 1280, height = 800;  ///< size of the picture, pixels
+  ViewMargins margins{};           ///< of the window's panels
   bool wants_quit = false;
   bool asks_before_quit = false;  ///< a user can answer: quit.h; false in scripts
   bool is_asking_to_quit = false;
@@ -56,8 +62,9 @@ struct AppContext {
 };
 
 struct AppCommand {
-  std::string_view id;           ///< "file.open"
-  std::string_view menu;         ///< heading in the menu, and a section of it: "File:2"; empty: scripts only
+  std::string_view id;  ///< "file.open"
+  /// Heading in the menu, a section of it and its sub-menu: "File:2", "View:3>Section"; empty: scripts only.
+  std::string_view menu;
   std::string_view label;        ///< text in the menu
   std::string_view key;          ///< default key: "Ctrl+Z"; empty: none
   std::string_view parameters;   ///< in a script: "PATH", "[MM]"
@@ -72,6 +79,11 @@ inline bool asksForFile(const AppCommand& command) { return command.parameters.s
 std::span<const AppCommand> appCommands();
 /// "File": the heading without the section.
 constexpr std::string_view menuOf(const AppCommand& command) { return command.menu.substr(0, command.menu.find(':')); }
+/// "Section": the sub-menu; empty: none.
+constexpr std::string_view submenuOf(const AppCommand& command) {
+  const std::size_t at = command.menu.find('>');
+  return at == std::string_view::npos ? std::string_view{} : command.menu.substr(at + 1);
+}
 /// The commands under a heading of the menu, section by section.
 std::vector<const AppCommand*> commandsOfMenu(std::string_view heading);
 /// Null if no command has that id.

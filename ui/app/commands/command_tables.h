@@ -64,6 +64,9 @@ std::span<const AppCommand> table();
 namespace tissue_commands {
 std::span<const AppCommand> table();
 }
+namespace help_commands {
+std::span<const AppCommand> table();
+}
 
 /// Conditions that several tables share.
 namespace when {

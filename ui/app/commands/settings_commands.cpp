@@ -120,15 +120,15 @@ constexpr AppCommand kRows[] = {
      when::hasSettings, setLanguage},
     {"settings.push", "", "", "", "", "Saves the current push and depth as defaults for later sessions.",
      when::hasSettings, keepPush},
-    {"view.theme", "View:6", "Switch light/dark theme", "Ctrl+Shift+L", "[light|dark]",
+    {"view.theme", "View:6>Window", "Switch light/dark theme", "Ctrl+Shift+L", "[light|dark]",
      "Switches between light and dark panels.", when::hasSettings, setTheme},
-    {"view.larger", "View:6", "Enlarge text and panels", "Ctrl+=", "", "Enlarges text and panels.", when::hasSettings,
-     makeLarger},
-    {"view.smaller", "View:6", "Shrink text and panels", "Ctrl+-", "", "Shrinks text and panels.", when::hasSettings,
-     makeSmaller},
+    {"view.larger", "View:6>Window", "Enlarge text and panels", "Ctrl+=", "", "Enlarges text and panels.",
+     when::hasSettings, makeLarger},
+    {"view.smaller", "View:6>Window", "Shrink text and panels", "Ctrl+-", "", "Shrinks text and panels.",
+     when::hasSettings, makeSmaller},
     {"view.scale", "", "", "", "FACTOR", "Sets the size of text and panels, 0.75 to 3.", when::hasSettings, setScale},
-    {"view.hints", "View:6", "Toggle mouse hints", "", "[on|off]", "Shows or hides the mouse hints.", when::hasSettings,
-     setHints},
+    {"view.hints", "View:6>Window", "Toggle mouse hints", "", "[on|off]", "Shows or hides the mouse hints.",
+     when::hasSettings, setHints},
 };
 
 }  // namespace

@@ -56,18 +56,18 @@ Expected<void> coloursOf(AppContext& context, AppWords) {
 constexpr AppCommand kRows[] = {
     {"view.tissue", "", "", "", "NAME show|hide|ghost", "Shows a tissue, hides it, or makes it translucent.",
      hasTissues, look},
-    {"view.tissues-all", "View:4", "Show all tissues", "", "", "Shows all tissues.", isAnyHidden, showAll},
+    {"view.tissues-all", "View:5", "Show all tissues", "", "", "Shows all tissues.", isAnyHidden, showAll},
     {"view.colours", "", "", "", "tissue|scan|depth|distance",
      "Colours the surface by tissue, by scan, by depth below the original surface, or by distance to pulp and nerve "
      "canal. A scan with colours starts with them; its cut areas show the tissue.",
      when::isShown, colours},
-    {"view.colours-tissue", "View:4", "Colour by tissue", "", "", "Colours the surface by tissue.", when::isShown,
-     coloursOf<SurfaceColours::kTissue>},
-    {"view.colours-scan", "View:4", "Colour by scan", "", "", "Shows the colours of the scan.", hasScanColours,
+    {"view.colours-tissue", "View:4>Colours", "Colour by tissue", "", "", "Colours the surface by tissue.",
+     when::isShown, coloursOf<SurfaceColours::kTissue>},
+    {"view.colours-scan", "View:4>Colours", "Colour by scan", "", "", "Shows the colours of the scan.", hasScanColours,
      coloursOf<SurfaceColours::kScan>},
-    {"view.colours-depth", "View:4", "Colour by depth", "", "",
+    {"view.colours-depth", "View:4>Colours", "Colour by depth", "", "",
      "Colours the surface by depth below the original surface.", when::isShown, coloursOf<SurfaceColours::kDepth>},
-    {"view.colours-distance", "View:4", "Colour by pulp and nerve distance", "", "",
+    {"view.colours-distance", "View:4>Colours", "Colour by pulp and nerve distance", "", "",
      "Colours the surface by distance to pulp and nerve canal.", hasStructures, coloursOf<SurfaceColours::kDistance>},
 };
 

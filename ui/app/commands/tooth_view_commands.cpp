@@ -184,19 +184,19 @@ Expected<void> thisIsBuccal(AppContext& context, AppWords) {
 }
 
 constexpr AppCommand kRows[] = {
-    {"view.occlusal", "View:2", "Occlusal: this tooth", "0", "[X Y]",
+    {"view.occlusal", "View:2>Sides of a tooth", "Occlusal: this tooth", "0", "[X Y]",
      "Looks at a tooth square to the occlusal plane, with the front of the arch up. The tooth is at a pixel, under the "
      "cursor, the chosen piece, or at the centre of the view.",
      when::isShown, lookAt<ToothSide::kOcclusal>},
-    {"view.buccal", "View:2", "Buccal: this tooth", "8", "[X Y]",
+    {"view.buccal", "View:2>Sides of a tooth", "Buccal: this tooth", "8", "[X Y]",
      "Looks at the buccal (labial) side of a tooth, from outside the arch.", when::isShown, lookAt<ToothSide::kBuccal>},
-    {"view.lingual", "View:2", "Lingual: this tooth", "9", "[X Y]",
+    {"view.lingual", "View:2>Sides of a tooth", "Lingual: this tooth", "9", "[X Y]",
      "Looks at the lingual (palatal) side of a tooth, from inside the arch and 30 degrees above it.", when::isShown,
      lookAt<ToothSide::kLingual>},
-    {"view.mesial", "View:2", "Mesial: this tooth", "Shift+8", "[X Y]",
+    {"view.mesial", "View:2>Sides of a tooth", "Mesial: this tooth", "Shift+8", "[X Y]",
      "Looks at the mesial side of a tooth, along the arch from its midline and 45 degrees above it.", when::isShown,
      lookAt<ToothSide::kMesial>},
-    {"view.distal", "View:2", "Distal: this tooth", "Shift+9", "[X Y]",
+    {"view.distal", "View:2>Sides of a tooth", "Distal: this tooth", "Shift+9", "[X Y]",
      "Looks at the distal side of a tooth, along the arch from its end and 45 degrees above it.", when::isShown,
      lookAt<ToothSide::kDistal>},
     {"view.sides", "", "", "", "BUCCAL MESIAL|auto",
@@ -204,9 +204,9 @@ constexpr AppCommand kRows[] = {
      when::isShown, sides},
     {"view.sides-here", "", "", "", "left|right",
      "Sets this view as the buccal side, with mesial to the left or right.", when::isShown, sidesHere},
-    {"view.sides-left", "View:2", "Set as buccal, mesial left", "", "",
+    {"view.sides-left", "View:2>Sides of a tooth", "Set as buccal, mesial left", "", "",
      "Sets this view as the buccal side, with mesial to the left.", when::isShown, thisIsBuccal<true>},
-    {"view.sides-right", "View:2", "Set as buccal, mesial right", "", "",
+    {"view.sides-right", "View:2>Sides of a tooth", "Set as buccal, mesial right", "", "",
      "Sets this view as the buccal side, with mesial to the right.", when::isShown, thisIsBuccal<false>},
 };
 

@@ -10,7 +10,9 @@
 #include "ui/app/commands/zoom.h"
 #include "ui/app/document/document.h"
 #include "ui/app/document/view_state.h"
+#include "ui/app/import/import_set.h"
 #include "ui/app/settings/settings.h"
+#include "ui/app/workbench/imports.h"
 
 namespace kerf::view_commands {
 namespace {
@@ -26,8 +28,19 @@ Expected<void> moveSection(AppContext& c, AppWords words, double way) {
 
 bool hasSection(const AppContext& c) { return c.bench.document->isShown() && c.bench.views->section.has_value(); }
 
+// Of the open document, or of the scan in the import with room for its guides.
+Box3 shownBox(const AppContext& c) {
+  const ImportSet* const set = c.bench.imports->set();
+  if (!set) return c.bench.document->scene().bounds();
+  Box3 box = set->picture(false).box;
+  box.grow(0.08 * box.size().norm());
+  return box;
+}
+
+bool hasBox(const AppContext& c) { return c.bench.document->isShown() || c.bench.imports->set(); }
+
 Expected<void> fit(AppContext& c, AppWords) {
-  fitToBox(c.camera, c.bench.document->scene().bounds(), c.width, c.height);
+  fitToFree(c, shownBox(c));
   return {};
 }
 
@@ -121,43 +134,44 @@ Expected<void> namedView(AppContext& context, AppWords) {
 }
 
 constexpr AppCommand kRows[] = {
-    {"view.fit", "View:1", "Fit", "F", "", "Shows the whole object.", when::isShown, fit},
-    {"view.front", "View:1", "Front", "1", "", "Looks along +y, where +z is up.", when::always, namedView<0>},
-    {"view.back", "View:1", "Back", "2", "", "Looks along -y.", when::always, namedView<1>},
-    {"view.left", "View:1", "Left", "3", "", "Looks along +x.", when::always, namedView<2>},
-    {"view.right", "View:1", "Right", "4", "", "Looks along -x.", when::always, namedView<3>},
-    {"view.top", "View:1", "Top", "5", "", "Looks down on the upper side; for a scan the occlusal side.", when::always,
-     namedView<4>},
-    {"view.bottom", "View:1", "Bottom", "6", "", "Looks up from below.", when::always, namedView<5>},
-    {"view.iso", "View:1", "Oblique", "7", "", "Looks from the front, above and the right.", when::always,
+    {"view.fit", "View:1", "Fit", "F", "", "Shows the whole object.", hasBox, fit},
+    {"view.front", "View:2>Directions", "Front", "1", "", "Looks along +y, where +z is up.", when::always,
+     namedView<0>},
+    {"view.back", "View:2>Directions", "Back", "2", "", "Looks along -y.", when::always, namedView<1>},
+    {"view.left", "View:2>Directions", "Left", "3", "", "Looks along +x.", when::always, namedView<2>},
+    {"view.right", "View:2>Directions", "Right", "4", "", "Looks along -x.", when::always, namedView<3>},
+    {"view.top", "View:2>Directions", "Top", "5", "", "Looks down on the upper side; for a scan the occlusal side.",
+     when::always, namedView<4>},
+    {"view.bottom", "View:2>Directions", "Bottom", "6", "", "Looks up from below.", when::always, namedView<5>},
+    {"view.iso", "View:2>Directions", "Oblique", "7", "", "Looks from the front, above and the right.", when::always,
      namedView<6>},
     {"view.from", "", "", "", "NAME|AZ,EL", "Looks from a named side or two angles in degrees.", when::always, view},
     {"view.up", "", "", "", "AXIS|auto",
      "Sets the side of the scan that is up: +x, -x, +y, -y, +z, -z; auto: the occlusal side, as after opening. "
      "Coordinates stay those of the scan.",
      when::isShown, up},
-    {"view.section", "View:3", "Toggle section", "X", "[X Y]",
+    {"view.section", "View:3>Section", "Toggle section", "X", "[X Y]",
      "Hides everything in front of the point under the cursor, or of the centre. Again: shows the whole object.",
      when::isShown, cutOpen},
-    {"view.section-deeper", "View:3", "Move section deeper", "PageDown", "[MM]",
+    {"view.section-deeper", "View:3>Section", "Move section deeper", "PageDown", "[MM]",
      "Moves the section deeper (default 0.2 mm).", hasSection, sectionDeeper},
-    {"view.section-nearer", "View:3", "Move section nearer", "PageUp", "[MM]",
+    {"view.section-nearer", "View:3>Section", "Move section nearer", "PageUp", "[MM]",
      "Moves the section back towards its original viewpoint (default 0.2 mm).", hasSection, sectionNearer},
-    {"view.plots", "View:3", "Show plots of last 20 s", "", "[on|off]",
+    {"view.plots", "View:5", "Show plots of last 20 s", "", "[on|off]",
      "Shows or hides plots of force, torque, spindle speed, depth and volume rate.", when::always,
      switchPanel<"plots">},
     {"view.details", "", "", "", "[on|off]", "Shows or hides the numbers of the 1 kHz loop.", when::always,
      switchPanel<"details">},
     {"view.zoom", "", "", "", "FACTOR [X Y]", "Zooms by a factor, about the centre of the view or a pixel.",
      when::always, zoom},
-    {"view.perspective", "View:5", "Perspective", "O", "[DEG|off]",
+    {"view.perspective", "View:4>Projection", "Perspective", "O", "[DEG|off]",
      "Toggles perspective. DEG sets the vertical field of view, 5 to 90 degrees (default: the one of the settings). "
      "Off: parallel projection.",
      when::always, perspective},
-    {"view.roll", "View:5", "Roll view", "R", "[DEG]", "Turns the view clockwise in the picture (default 15 degrees).",
-     when::always, roll},
-    {"view.level", "View:5", "Reset roll", "Shift+R", "", "Resets all turns of the view in the picture.", isRolled,
-     level},
+    {"view.roll", "View:4>Projection", "Roll view", "R", "[DEG]",
+     "Turns the view clockwise in the picture (default 15 degrees).", when::always, roll},
+    {"view.level", "View:4>Projection", "Reset roll", "Shift+R", "", "Resets all turns of the view in the picture.",
+     isRolled, level},
     {"picture.write", "", "", "", "OUT.png", "Writes the view as a PNG picture.", when::always, screenshot},
 };
 
@@ -178,7 +192,17 @@ void firstView(AppContext& context, const Camera& otherwise) {
     context.camera.upright = uprightFrame(*normal);
     if (otherwise.elevation > kFromAbove) lookFrom(context.camera, *normal);
   }
-  fitToBox(context.camera, context.bench.document->scene().bounds(), context.width, context.height);
+  fitToFree(context, context.bench.document->scene().bounds());
+}
+
+void viewScan(AppContext& context) {
+  const ImportSet* const set = context.bench.imports->set();
+  if (!set) return;
+  constexpr double kTilt = 0.6;  // rad, off the occlusal view
+  context.camera.upright = uprightFrame(set->picture(false).up);
+  context.camera.azimuth = context.camera.roll = 0;
+  context.camera.elevation = std::numbers::pi / 2 - kTilt;
+  fitToFree(context, view_commands::shownBox(context));
 }
 
 }  // namespace kerf

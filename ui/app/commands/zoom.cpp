@@ -1,5 +1,7 @@
 #include "ui/app/commands/zoom.h"
 
+#include <algorithm>
+
 #include "ui/app/commands/pointing.h"
 
 namespace kerf {
@@ -25,6 +27,17 @@ void fitToBox(Camera& camera, const Box3& box, int width, int height) {
   Mesh corners;
   for (int n = 0; n < 8; ++n) corners.vertices.push_back(box.corner(n));
   fitTo(camera, corners, width, height);
+}
+
+void fitToFree(AppContext& context, const Box3& box) {
+  constexpr int kLeast = 64;  // pixels
+  const ViewMargins& covered = context.margins;
+  const int width = std::max(context.width - covered.left - covered.right, kLeast);
+  const int height = std::max(context.height - covered.top - covered.bottom, kLeast);
+  Camera& camera = context.camera;
+  fitToBox(camera, box, width, height);
+  camera.half_height *= static_cast<double>(context.height) / height;
+  pan(camera, 0.5 * (covered.left - covered.right), 0.5 * (covered.top - covered.bottom), context.height);
 }
 
 }  // namespace kerf

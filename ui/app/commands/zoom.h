@@ -12,5 +12,7 @@ void orbitAbout(Camera& camera, const Vec3d& pivot, double dx, double dy);
 void zoomAt(AppContext& context, double x, double y, double factor);
 /// Fits the box into the view, with some margin.
 void fitToBox(Camera& camera, const Box3& box, int width, int height);
+/// The same, into the area that the panels leave free.
+void fitToFree(AppContext& context, const Box3& box);
 
 }  // namespace kerf

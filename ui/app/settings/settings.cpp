@@ -86,6 +86,14 @@ const std::vector<Key>& keys() {
        [](const Settings& a, const Settings& b) { return a.language == b.language; }},
       {"file_dialog", [](const Settings& s) { return std::string(s.has_own_dialog ? "\"own\"" : "\"system\""); },
        [](const Settings& a, const Settings& b) { return a.has_own_dialog == b.has_own_dialog; }},
+      {"window_width", [](const Settings& s) { return std::to_string(s.window_width); },
+       [](const Settings& a, const Settings& b) { return a.window_width == b.window_width; }},
+      {"window_height", [](const Settings& s) { return std::to_string(s.window_height); },
+       [](const Settings& a, const Settings& b) { return a.window_height == b.window_height; }},
+      {"left_width", [](const Settings& s) { return fmt::format("{:.0f}", s.left_width); },
+       [](const Settings& a, const Settings& b) { return a.left_width == b.left_width; }},
+      {"right_width", [](const Settings& s) { return fmt::format("{:.0f}", s.right_width); },
+       [](const Settings& a, const Settings& b) { return a.right_width == b.right_width; }},
       {"favourite_tools", [](const Settings& s) { return quotedSetting(joined(s.favourite_tools)); },
        [](const Settings& a, const Settings& b) { return a.favourite_tools == b.favourite_tools; }},
   };
@@ -139,6 +147,16 @@ Expected<Settings> readSettings(const fs::path& path) {
   const std::string dialog = table.getOr<std::string>("file_dialog", "system", "\"own\" or \"system\"");
   if (dialog != "own" && dialog != "system") table.reject("file_dialog", "\"" + dialog + "\"", "\"own\" or \"system\"");
   out.has_own_dialog = dialog == "own";
+  const auto size = [&](const char* key) {
+    return static_cast<int>(table.numberOr(key, 0, 0, Settings::kWidestWindow, "units"));
+  };
+  out.window_width = size("window_width");
+  out.window_height = size("window_height");
+  const auto column = [&](const char* key, double otherwise) {
+    return table.numberOr(key, otherwise, Settings::kNarrowestColumn, Settings::kWidestColumn, "units");
+  };
+  out.left_width = column("left_width", out.left_width);
+  out.right_width = column("right_width", out.right_width);
   out.favourite_tools = wordsOf(table.getOr<std::string>("favourite_tools", "", "ids of tools"));
   KERF_CHECK(table.finish());
   return out;

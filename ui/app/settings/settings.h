@@ -47,6 +47,11 @@ struct Settings {
 
   bool has_own_dialog = false;  ///< file_dialog = "own" or "system": the dialog to use where the system has one
 
+  int window_width = 0, window_height = 0;     ///< window_width, window_height: at its last end, units; 0: the default
+  double left_width = 250, right_width = 250;  ///< left_width, right_width: of the columns, units of type size 1
+  static constexpr double kNarrowestColumn = 220, kWidestColumn = 500;
+  static constexpr int kWidestWindow = 16384;
+
   /// favourite_tools: ids separated by blanks, in the order of choice; first in the rack.
   std::vector<std::string> favourite_tools{};
 

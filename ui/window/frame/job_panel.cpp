@@ -7,6 +7,7 @@
 #include "ui/app/base/language.h"
 #include "ui/app/document/jobs.h"
 #include "ui/app/workbench/export_plan.h"
+#include "ui/window/frame/frame_layout.h"
 #include "ui/window/gl/theme.h"
 #include "ui/window/gl/widgets.h"
 
@@ -17,9 +18,7 @@ void drawJob(AppContext& context) {
   const ExportPlan& plan = *context.bench.exporting;
   if (!job || (plan.isShown() && plan.isBusy())) return;  // the export panel shows its own
   const JobStatus s = job->status();
-  const ImGuiIO& io = ImGui::GetIO();
-  ImGui::SetNextWindowPos({0.5f * io.DisplaySize.x, 0.5f * io.DisplaySize.y}, ImGuiCond_Always, {0.5f, 0.5f});
-  ImGui::SetNextWindowSize({440, 0}, ImGuiCond_Always);
+  placeDialog(context, scaled(440));
   ui::begin("##job", nullptr,
             ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
   ui::text(s.title);
@@ -29,7 +28,7 @@ void drawJob(AppContext& context) {
   ui::textColored(styleColours().quiet, ui::asItIs(line));
   if (s.is_cancelling)
     ui::text("Cancelling...");
-  else if (s.can_be_cancelled && ui::button("Cancel", {110, 0}))
+  else if (s.can_be_cancelled && ui::button("Cancel", {scaled(110), 0}))
     context.bench.jobs->cancel();
   ImGui::End();
 }

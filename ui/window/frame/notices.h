@@ -1,9 +1,10 @@
-// Notices over the picture, beside the panels, until the user dismisses them.
+// Notices over the picture, beside the columns. Information fades; an error stays until the user dismisses it.
 #pragma once
 
 #include <cstddef>
+#include <vector>
 
-#include "ui/app/commands/app_commands.h"
+#include "ui/window/frame/frame_layout.h"
 
 namespace kerf {
 
@@ -16,16 +17,22 @@ struct NoticePlace {
   float most_height = 0;  ///< longer text scrolls
 };
 
-/// Panels at the sides of the window.
-enum class SidePanels { kNone, kBoth, kImport };
+/// In the free area: as wide as it allows, up to 720 units of type size 1, and over the upper part of the object at
+/// most.   @param scale  of type and panels.
+NoticePlace noticePlace(const FrameArea& free, bool hangs, float scale);
 
-/// Between the panels, never over them: as wide as they allow, up to 720 units of type size 1. If they leave less than
-/// 128, the full width of the window.
-/// @param menu  height of the menu bar.   @param scale  of type and panels.
-NoticePlace noticePlace(float width, float height, float menu, float scale, SidePanels panels);
+/// Notices in view, by their index in the list.
+struct NoticesState {
+  struct Shown {
+    std::size_t index = 0;
+    double until = 0;  ///< time of Dear ImGui; infinite: an error
+  };
+  std::vector<Shown> shown;
+  std::size_t seen = 0;  ///< number of notices at the last draw
+};
+inline constexpr double kNoticeSeconds = 8;
 
-/// Draws the last three notices from `seen` on, the newest in view. OK raises `seen` past all.
-/// @param drawn  number of notices at the last draw; this function keeps it.
-void drawNotices(AppContext& context, std::size_t& seen, std::size_t& drawn);
+/// Draws the last three. OK dismisses all.
+void drawNotices(AppContext& context, NoticesState& state);
 
 }  // namespace kerf

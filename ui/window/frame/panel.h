@@ -10,7 +10,7 @@
 
 #include "ui/app/commands/app_commands.h"
 #include "ui/app/tool/stroke.h"
-#include "ui/window/frame/panel_column.h"
+#include "ui/window/frame/frame_layout.h"
 
 namespace kerf {
 
@@ -21,22 +21,13 @@ struct PanelFrame {
   AppContext& context;
   PanelState& state;                           ///< of the panels, between two frames
   const std::optional<ToolOverSurface>& over;  ///< the tool under the cursor
-  PanelColumn& column;                         ///< at the right
-};
-
-/// The state of the window that a panel belongs to.
-enum class Screen {
-  kAny,
-  kFirst,   ///< nothing is open
-  kImport,  ///< a scan before it is prepared
-  kCut,
-  kReplay
 };
 
 enum class PanelPlace {
-  kOwn,      ///< places itself, and draws its own window
-  kColumn,   ///< a window in the column at the right: draws the content
-  kReadings  ///< a folding section of the readings, open while its switch is on: draws the content
+  kOwn,         ///< places itself, and draws its own window
+  kLeft,        ///< a section of the left column: draws the content
+  kRight,       ///< the same, of the right column
+  kFoldedRight  ///< the same, folded until its switch is on
 };
 
 struct Panel {
@@ -45,6 +36,7 @@ struct Panel {
   Screen screen;
   PanelPlace place;
   void (*draw)(PanelFrame&);
+  bool (*is_needed)(const AppContext&) = nullptr;  ///< false: the column leaves the section out; null: always there
 };
 
 /// In the order of drawing.

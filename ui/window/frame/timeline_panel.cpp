@@ -13,6 +13,7 @@
 #include "ui/app/workbench/sawing.h"
 #include "ui/app/workbench/steps.h"
 #include "ui/app/workbench/tools.h"
+#include "ui/window/frame/frame_layout.h"
 #include "ui/window/gl/theme.h"
 #include "ui/window/gl/widgets.h"
 
@@ -131,7 +132,7 @@ void drawLoss(const Timeline& timeline, std::size_t done, float blocks_end) {
 float timelineHeight(const AppContext& context) {
   constexpr float kReplayHeight = 96;  // of the strip of a replay
   if (context.bench.document->watched()) return scaled(kReplayHeight);
-  return hasSteps(context) ? scaled(kStripHeight) + 8 : 0;
+  return hasSteps(context) ? scaled(kStripHeight) : 0;
 }
 
 void drawTimeline(AppContext& context) {
@@ -139,10 +140,9 @@ void drawTimeline(AppContext& context) {
   const Workbench& bench = context.bench;
   const Timeline& timeline = bench.steps->timeline();
   const ImGuiIO& io = ImGui::GetIO();
-  const float side = scaled(kPanelWidth) + 16;  // leaves the side panels free
-  ImGui::SetNextWindowPos({side, io.DisplaySize.y - 8}, ImGuiCond_Always, {0, 1});
-  ImGui::SetNextWindowSize({std::max(io.DisplaySize.x - 2 * side, scaled(120)), scaled(kStripHeight)},
-                           ImGuiCond_Always);
+  const FrameArea area = frameLayout(context).strip;
+  ImGui::SetNextWindowPos({area.left, area.top}, ImGuiCond_Always);
+  ImGui::SetNextWindowSize({area.width(), area.height()}, ImGuiCond_Always);
   ui::begin("##timeline", nullptr,
             ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
   const std::size_t count = timeline.steps().size(), done = bench.steps->done();

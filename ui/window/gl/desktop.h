@@ -40,6 +40,7 @@ class Desktop {
   /// Events since the last call, in order. A slow frame loses none.
   std::vector<InputEvent> takeEvents() { return std::exchange(heard_.events, {}); }
   /// Begins a frame of the panels: passes keys and characters to Dear ImGui, a slow frame's taps one by one.
+  /// A double click is judged by the times of its events.
   void beginFrame();
   /// Events wait for the panels: the next frame should come at once.
   bool isBehind() const { return heard_.for_panels.isWaiting(); }
@@ -56,10 +57,13 @@ class Desktop {
     std::vector<InputEvent> events;
     KeyTrickle for_panels;
     bool is_damaged = true;
+    double pressed_s = -1, pressed_x = 0, pressed_y = 0;  // of the last press of the left button
+    bool is_double = false;                               // since the last frame
   };
 
   void listen();
   void listenToKeys();
+  static void hearPress(Heard& heard, double s, double x, double y);
   static Heard& heardBy(GLFWwindow* window);
 
   GLFWwindow* window_ = nullptr;

@@ -1,5 +1,7 @@
 #include "ui/window/gl/widgets.h"
 
+#include <imgui_internal.h>  // the stack of open popups
+
 #include <algorithm>
 
 #include "ui/app/base/language.h"
@@ -35,6 +37,16 @@ void addText(ImDrawList& list, const ImVec2& at, ImU32 colour, const Words& word
 }
 
 ImVec2 textSize(const Words& words) { return ImGui::CalcTextSize(words.shown().c_str()); }
+
+std::string beginThatFits(const std::string& text, float width) {
+  std::string out = text;
+  while (!out.empty() && ImGui::CalcTextSize(out.c_str()).x > width) {
+    std::size_t end = out.size() - (out == text ? 1 : 4);                             // the dots are gone, too
+    while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;  // whole characters
+    out = end == 0 ? "" : text.substr(0, end) + "...";
+  }
+  return out;
+}
 
 void sameLineAt(float place) {
   const float end = ImGui::GetItemRectMax().x - ImGui::GetWindowPos().x + ImGui::GetStyle().ItemInnerSpacing.x;
@@ -100,6 +112,15 @@ bool beginMenu(const Words& label) { return ImGui::BeginMenu(label.label().c_str
 
 bool menuItem(const Words& label, const Words& key, bool is_enabled) {
   return ImGui::MenuItem(label.label().c_str(), key.shown().c_str(), false, is_enabled);
+}
+
+bool closeTopmostPopup() {
+  const ImGuiContext& now = *ImGui::GetCurrentContext();
+  if (now.OpenPopupStack.empty()) return false;
+  const ImGuiWindow* const top = now.OpenPopupStack.back().Window;
+  if (top && (top->Flags & ImGuiWindowFlags_Modal)) return false;
+  ImGui::ClosePopupToLevel(now.OpenPopupStack.Size - 1, true);
+  return true;
 }
 
 void openPopup(const Words& title) { ImGui::OpenPopup(title.label().c_str()); }

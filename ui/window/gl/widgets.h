@@ -47,6 +47,9 @@ void addText(ImDrawList& list, const ImVec2& at, ImU32 colour, const Words& word
 /// Size as drawn by text() and addText(), window units.
 ImVec2 textSize(const Words& words);
 
+/// The text, or its beginning and "..." within a width.   @param text  as shown.
+std::string beginThatFits(const std::string& text, float width);
+
 /// On the line of the previous item, at a place from the window's left edge, or behind that item if it is longer.
 void sameLineAt(float place);
 
@@ -76,6 +79,8 @@ bool begin(const Words& title, bool* is_open = nullptr, ImGuiWindowFlags flags =
 bool beginMenu(const Words& label);
 /// @param key  "Ctrl+Z"
 bool menuItem(const Words& label, const Words& key = "", bool is_enabled = true);
+/// Of menus, lists and menus at the cursor; a question keeps its keys.   @return  false: none is open.
+bool closeTopmostPopup();
 void openPopup(const Words& title);
 bool isPopupOpen(const Words& title);
 bool beginPopup(const Words& title);

@@ -46,6 +46,7 @@
 #include "ui/sound/sound_thread.h"
 #include "ui/window/draw/import_view.h"
 #include "ui/window/draw/live_view.h"
+#include "ui/window/frame/frame_layout.h"
 #include "ui/window/gl/desktop.h"
 #include "ui/window/gl/gl_context.h"
 #include "ui/window/gl/key_names.h"
@@ -101,7 +102,10 @@ class Workshop {
 
   Expected<int> run() {
     endWhenTold();
-    KERF_CHECK(desktop_.open(options_.width, options_.height));
+    const Settings& kept = settings_.values;
+    const bool is_sized = options_.has_size || kept.window_width == 0 || kept.window_height == 0;
+    KERF_CHECK(
+        desktop_.open(is_sized ? options_.width : kept.window_width, is_sized ? options_.height : kept.window_height));
     KERF_TRY(view, LiveView::create());
     view_ = std::move(view);
     view_->setBeforeClear([this] {
@@ -133,6 +137,7 @@ class Workshop {
 
     while (!wants_end_) KERF_CHECK(frame());
     game_controller_.shake({});
+    rememberSize();
     const auto ended = endAll(bench_, *view_);
     import_view_.reset();
     view_.reset();
@@ -144,6 +149,14 @@ class Workshop {
   static WorkbenchOptions remembering(WorkbenchOptions options) {
     options.keeps_recent = true;
     return options;
+  }
+
+  // Unless the command line set it.
+  void rememberSize() {
+    if (options_.has_size || options_.frames > 0 || window_width_ < 2) return;
+    settings_.values.window_width = window_width_;
+    settings_.values.window_height = window_height_;
+    if (!settings_.error()) say(settings_.save());
   }
 
   Expected<void> frame() {
@@ -169,6 +182,7 @@ class Workshop {
     bench_.device->arm().pause(files_.isShown());
     view_->update(bench_);
     printNotices();
+    if (ImGui::GetFrameCount() > 0) context_.margins = marginsOf(context_, pixels());
     if (!bench_.document->scene().bounds().isEmpty() && view_->takeFitWanted()) fitFirst();
     if (bench_.document->isShown() && !bench_.document->scene().bounds().isEmpty())
       recent_picture_.updateBox(*bench_.document);
@@ -302,7 +316,7 @@ class Workshop {
       camera_before_import_.reset();
     }
     if (set && import_view_->takeFitWanted()) {
-      viewScan(context_, pixels());
+      viewScan(context_);
       setTitle(phrase("Import {}", set->entries().front().file.filename().string()));
     }
   }
@@ -394,12 +408,12 @@ class Workshop {
     if (files_.takesKeys() && (e.key == GLFW_KEY_ENTER || e.key == GLFW_KEY_KP_ENTER)) return files_.accept();
     if (files_.takesKeys() && e.key == GLFW_KEY_ESCAPE) return files_.cancel();
     const bool is_enter = e.key == GLFW_KEY_ENTER || e.key == GLFW_KEY_KP_ENTER;
+    if (e.key == GLFW_KEY_ESCAPE && ui::closeTopmostPopup()) return;
     if (is_enter || e.key == GLFW_KEY_ESCAPE)
       if (quitQuestionKey(context_, is_enter) || exportPanelKey(context_, is_enter)) return;
-    for (const char* const panel : {"settings", "sessions"})
+    for (const char* const panel : {"keys", "messages", "about", "settings", "sessions"})
       if (context_.panels[panel] && e.key == GLFW_KEY_ESCAPE) {
-        // A question of the list takes the key itself.
-        context_.panels[panel] = panel == std::string_view("sessions") && panels_.sessions.isAsking();
+        context_.panels[panel] = panel == std::string_view("sessions") && panels_.sessions.stopAsking();
         return;
       }
     const bool is_alt = e.key == GLFW_KEY_LEFT_ALT || e.key == GLFW_KEY_RIGHT_ALT;
@@ -516,9 +530,11 @@ class Workshop {
         stroke_.release(context_);
       }
       if (e.key == held_) held_ = kNone;
+      if (e.key == GLFW_MOUSE_BUTTON_RIGHT && right_pressed_) openMenuAt(*std::exchange(right_pressed_, std::nullopt));
       return;
     }
     if (is_on_panel) return;
+    if (e.key == GLFW_MOUSE_BUTTON_RIGHT) right_pressed_ = pointer();
     palette_.hide();
     if (e.key == GLFW_MOUSE_BUTTON_LEFT && panels_.piece_drag.press(context_, pointer())) return;
     if (e.key != GLFW_MOUSE_BUTTON_LEFT || bench_.imports->isImporting() || !stroke_.press(context_, pointer())) {
@@ -526,6 +542,14 @@ class Workshop {
       pans_ = e.key == GLFW_MOUSE_BUTTON_MIDDLE || (e.modifiers & GLFW_MOD_SHIFT);
       pivot_ = pans_ ? std::nullopt : pointUnder(context_, pointer()[0], pointer()[1]);
     }
+  }
+
+  // A right click without a drag.
+  void openMenuAt(const Pixel& pressed) {
+    constexpr double kStill = 4;  // window units
+    if ((pointer() - pressed).norm() > kStill * pixels() || !bench_.document->isOpen() || bench_.strokes->isPressed())
+      return;
+    panels_.menu_at = std::array{pressed[0], pressed[1]};
   }
 
   void move(const InputEvent& e) {
@@ -590,7 +614,8 @@ class Workshop {
   double x_ = 0, y_ = 0;  // of the pointer, window units
   int window_width_ = 1, window_height_ = 1;
   int held_ = kNone;
-  std::optional<Vec3d> pivot_;  // place under the cursor when the turn began
+  std::optional<Pixel> right_pressed_;  // place of the right button's press
+  std::optional<Vec3d> pivot_;          // place under the cursor when the turn began
   bool pans_ = false, is_harder_ = false, wants_end_ = false, is_software_ = true;
   bool rests_ = false, is_import_shown_ = false;  // the last frame changed nothing; of the last one drawn
   std::size_t panels_shown_ = 0;                  // fingerprintOf()

@@ -10,6 +10,7 @@
 #include "ui/app/document/jobs.h"
 #include "ui/app/session/arm_lead.h"
 #include "ui/app/workbench/force_device.h"
+#include "ui/window/frame/frame_layout.h"
 #include "ui/window/gl/theme.h"
 #include "ui/window/gl/widgets.h"
 
@@ -251,10 +252,10 @@ void drawPad(const DevicePanelState& state) {
 
 void drawDevicePanel(AppContext& context, const DevicePanelState& state) {
   if (!context.panels["device"]) return;
-  const ImGuiIO& io = ImGui::GetIO();
-  ImGui::SetNextWindowPos({io.DisplaySize.x - scaled(kPanelWidth) - 24, ImGui::GetFrameHeight() + 8},
-                          ImGuiCond_Appearing, {1, 0});
+  const FrameArea free = frameLayout(context).free;
+  ImGui::SetNextWindowPos({free.right - scaled(8), free.top + scaled(8)}, ImGuiCond_Appearing, {1, 0});
   ImGui::SetNextWindowSize({scaled(kWidth), 0}, ImGuiCond_Always);
+  ImGui::SetNextWindowSizeConstraints({0, 0}, {scaled(kWidth), free.height() - scaled(16)});
   ImGui::SetNextWindowBgAlpha(1);  // covers other panels
   ui::begin("Devices", &context.panels["device"], ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
   drawArm(context);

@@ -11,6 +11,7 @@
 #include "ui/app/base/language.h"
 #include "ui/app/document/jobs.h"
 #include "ui/app/workbench/export_plan.h"
+#include "ui/window/frame/frame_layout.h"
 #include "ui/window/gl/theme.h"
 #include "ui/window/gl/widgets.h"
 
@@ -138,9 +139,7 @@ void drawExportButtons(AppContext& context, ExportPlan& plan) {
 void drawExportPanel(AppContext& context, const std::function<void(const AppCommand&)>& ask_for_file) {
   ExportPlan& plan = *context.bench.exporting;
   if (!plan.isShown()) return;
-  const ImGuiIO& io = ImGui::GetIO();
-  ImGui::SetNextWindowPos({0.5f * io.DisplaySize.x, 0.45f * io.DisplaySize.y}, ImGuiCond_Always, {0.5f, 0.5f});
-  ImGui::SetNextWindowSize({scaled(kExportWidth), 0}, ImGuiCond_Always);
+  placeDialog(context, scaled(kExportWidth));
   bool stays = true;
   ui::begin("Export", &stays, ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse);
   heading("Content");

@@ -6,17 +6,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <string>
 
 #include "ui/app/base/language.h"
 #include "ui/app/commands/pointing.h"
-#include "ui/app/commands/zoom.h"
 #include "ui/app/document/document.h"
 #include "ui/app/document/jobs.h"
 #include "ui/app/import/import_guides.h"
 #include "ui/app/import/import_set.h"
 #include "ui/app/workbench/imports.h"
+#include "ui/window/frame/frame_layout.h"
 #include "ui/window/gl/theme.h"
 #include "ui/window/gl/widgets.h"
 
@@ -405,10 +404,9 @@ void drawPlane(ImDrawList& list, const Projection& at, const Plane& plane, const
 void drawImportPanel(AppContext& context, ImportPanelState& state) {
   ImportSet* const set = context.bench.imports->set();
   if (!set || context.bench.jobs->running()) return;
-  const ImGuiIO& io = ImGui::GetIO();
-  const float top = ImGui::GetFrameHeight();
-  ImGui::SetNextWindowPos({io.DisplaySize.x - scaled(kImportPanelWidth), top}, ImGuiCond_Always);
-  ImGui::SetNextWindowSize({scaled(kImportPanelWidth), io.DisplaySize.y - top}, ImGuiCond_Always);
+  const FrameArea at = frameLayout(context).right;
+  ImGui::SetNextWindowPos({at.left, at.top}, ImGuiCond_Always);
+  ImGui::SetNextWindowSize({at.width(), at.height()}, ImGuiCond_Always);
   ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 0);
   ui::begin("##import", nullptr, ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove);
   ImGui::PopStyleVar();
@@ -494,22 +492,6 @@ void drawImportGuides(const AppContext& context, double pixels) {
     const Plane base{*preview->base_direction * preview->base_level_mm, *preview->base_direction};
     drawPlane(list, at, base, box, "base", IM_COL32(30, 110, 170, 220));
   }
-}
-
-void viewScan(AppContext& context, double pixels) {
-  const ImportSet* const set = context.bench.imports->set();
-  if (!set) return;
-  constexpr double kTilt = 0.6;  // rad, off the occlusal view
-  const ImportPicture picture = set->picture(false);
-  context.camera.upright = uprightFrame(picture.up);
-  context.camera.azimuth = 0;
-  context.camera.elevation = std::numbers::pi / 2 - kTilt;
-
-  Box3 box = picture.box;
-  box.grow(0.08 * box.size().norm());
-  const int panel = static_cast<int>(static_cast<double>(scaled(kImportPanelWidth)) * pixels);
-  fitToBox(context.camera, box, std::max(context.width - panel, 64), context.height);
-  pan(context.camera, -0.5 * panel, 0, context.height);
 }
 
 }  // namespace kerf

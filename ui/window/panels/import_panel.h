@@ -20,7 +20,4 @@ void drawImportPanel(AppContext& context, ImportPanelState& state);
 /// Box, occlusal plane and base over the picture.   @param pixels  of the framebuffer in a window unit.
 void drawImportGuides(const AppContext& context, double pixels);
 
-/// Fits the scan into the part of the window that the panel leaves free: occlusal side, tilted to show the base too.
-void viewScan(AppContext& context, double pixels);
-
 }  // namespace kerf

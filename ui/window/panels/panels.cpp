@@ -3,12 +3,11 @@
 #include <imgui.h>
 
 #include <algorithm>
-#include <string>
+#include <initializer_list>
 
 #include "ui/app/base/language.h"
 #include "ui/app/document/document.h"
 #include "ui/app/document/jobs.h"
-#include "ui/app/settings/settings.h"
 #include "ui/app/workbench/imports.h"
 #include "ui/app/workbench/tool_monitor.h"
 #include "ui/window/frame/job_panel.h"
@@ -19,6 +18,7 @@
 #include "ui/window/gl/theme.h"
 #include "ui/window/gl/widgets.h"
 #include "ui/window/panels/export_panel.h"
+#include "ui/window/panels/help_panel.h"
 #include "ui/window/panels/measure_panel.h"
 #include "ui/window/panels/plots_panel.h"
 #include "ui/window/panels/readings_panel.h"
@@ -31,93 +31,108 @@
 namespace kerf {
 namespace {
 
-// Left of the readings, over the timeline.
+// At the lower right of the free area.
 void drawScaleBar(const AppContext& context, double pixels) {
-  const ImGuiIO& io = ImGui::GetIO();
-  drawScaleBarAt({io.DisplaySize.x - scaled(kPanelWidth) - 32, io.DisplaySize.y - timelineHeight(context) - 20},
-                 context.camera, context.width, context.height, pixels, styleColours().guide_text);
+  const FrameArea free = frameLayout(context).free;
+  const auto width = static_cast<int>(pixels * static_cast<double>(free.width()));
+  drawScaleBarAt({free.right - scaled(16), free.bottom - scaled(16)}, context.camera, width, context.height, pixels,
+                 styleColours().guide_text);
 }
 
 // Reason why the stroke removes nothing, in the middle above the timeline, while it lasts.
 void drawHindrance(const AppContext& context) {
   const char* const text = context.bench.monitor->hindrance();
   if (!text[0]) return;
-  const ImGuiIO& io = ImGui::GetIO();
-  const NoticePlace at =
-      noticePlace(io.DisplaySize.x, io.DisplaySize.y, ImGui::GetFrameHeight(), scaled(1), SidePanels::kBoth);
-  ImGui::SetNextWindowPos({at.middle, io.DisplaySize.y - 8 - timelineHeight(context)}, ImGuiCond_Always, {0.5f, 1});
+  const FrameArea free = frameLayout(context).free;
+  ImGui::SetNextWindowPos({free.middle(), free.bottom - scaled(8)}, ImGuiCond_Always, {0.5f, 1});
   ui::begin("##hindrance", nullptr,
             ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove |
                 ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_NoSavedSettings);
-  ImGui::PushTextWrapPos(std::min(at.width, scaled(460)));
+  ImGui::PushTextWrapPos(std::min(free.width() - scaled(32), scaled(460)));
   ui::textColored(styleColours().warning, text);
   ImGui::PopTextWrapPos();
   ImGui::End();
 }
 
-void drawHints(AppContext& context) {
-  if (!context.settings || context.settings->values.are_hints_dismissed) return;
-  const ImGuiIO& io = ImGui::GetIO();
-  ImGui::SetNextWindowPos({scaled(kPanelWidth) + 16, io.DisplaySize.y - 8 - timelineHeight(context)}, ImGuiCond_Always,
-                          {0, 1});
-  ui::begin("##hints", nullptr,
-            ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove);
-  ui::textColored(styleColours().accent, "Left button on the object: cut. Hold still to cut down to the depth limit.");
-  ui::text("Shift: double push. Wheel while cutting: change the depth limit.");
-  ui::text("Alt and drag: tilt the tool. Ctrl while cutting: move along its axis.");
-  ui::text("Space: foot pedal. Arrows, Home and End with it: small steps.");
-  ui::text("Right button: turn. Middle button: move. Wheel: zoom.");
-  if (ui::smallButton("Got it"))
-    if (const auto done = runAppCommand(context, "view.hints", std::vector<std::string>{"off"}); !done)
-      context.bench.notices->complain(done.error());
-  ImGui::End();
-}
-
 // The table. A row below draws over those above it.
-constexpr auto kOwn = PanelPlace::kOwn;
+constexpr auto kOwn = PanelPlace::kOwn, kLeft = PanelPlace::kLeft, kRight = PanelPlace::kRight,
+               kFolded = PanelPlace::kFoldedRight;
 constexpr Panel kPanels[] = {
     {"menu", "", Screen::kAny, kOwn, [](PanelFrame& f) { drawMainMenu(f.context, f.state.ask_for_file); }},
     {"first", "", Screen::kFirst, kOwn, [](PanelFrame& f) { f.state.first.draw(f.context, f.state.ask_for_file); }},
     {"import", "", Screen::kImport, kOwn, [](PanelFrame& f) { drawImportPanel(f.context, f.state.import); }},
-    {"replay", "Replay", Screen::kReplay, PanelPlace::kColumn, drawReplayMoment},
-    {"replay-tissues", "", Screen::kReplay, kOwn, [](PanelFrame& f) { drawTissues(f.context, f.column); }},
+    {"tools", "Tool", Screen::kCut, kLeft, [](PanelFrame& f) { drawTools(f.context, f.state.tools); }},
+    {"replay", "Replay", Screen::kReplay, kRight, drawReplayMoment},
+    {"readings", "Cut", Screen::kCut, kRight, drawReadings},
+    {"saw", "Saw plan", Screen::kCut, kRight, [](PanelFrame& f) { drawSawPanel(f.context, f.state.saw); },
+     isSawPanelNeeded},
+    {"pieces", "Pieces", Screen::kCut, kRight, [](PanelFrame& f) { drawPieces(f.context); }, arePiecesNeeded},
+    {"neighbours", "Neighbours", Screen::kCut, kRight, [](PanelFrame& f) { drawNeighbourList(f.context); },
+     areNeighboursNeeded},
+    {"tissues", "Tissues", Screen::kAny, kRight, [](PanelFrame& f) { drawTissues(f.context); }, areTissuesNeeded},
+    {"plots", "Last 20 s", Screen::kAny, kFolded, drawPlots},
+    {"details", "Details", Screen::kCut, kFolded, drawLoop},
     {"replay-strip", "", Screen::kReplay, kOwn, [](PanelFrame& f) { drawReplayStrip(f.context); }},
-    {"tools", "", Screen::kCut, kOwn, [](PanelFrame& f) { drawTools(f.context, f.state.tools); }},
-    {"readings", "Cut", Screen::kCut, PanelPlace::kColumn, drawReadings},
-    {"plots", "Last 20 s", Screen::kAny, PanelPlace::kReadings, drawPlots},
-    {"details", "Details", Screen::kCut, PanelPlace::kReadings, drawLoop},
-    {"pieces", "", Screen::kCut, kOwn,
-     [](PanelFrame& f) { drawPieces(f.context, f.state.piece_drag, f.column, f.state.pixels); }},
-    {"saw", "", Screen::kCut, kOwn, [](PanelFrame& f) { drawSawPanel(f.context, f.state.saw, f.column); }},
-    {"tissues", "", Screen::kCut, kOwn, [](PanelFrame& f) { drawTissues(f.context, f.column); }},
+    {"handles", "", Screen::kCut, kOwn,
+     [](PanelFrame& f) { drawPieceHandles(f.context, f.state.piece_drag, f.state.pixels); }},
+    {"picking", "", Screen::kCut, kOwn, [](PanelFrame& f) { drawPickingHint(f.context); }},
     {"measure", "", Screen::kCut, kOwn, [](PanelFrame& f) { drawMeasure(f.context, f.state.pixels); }},
     {"scale", "", Screen::kCut, kOwn, [](PanelFrame& f) { drawScaleBar(f.context, f.state.pixels); }},
-    {"hints", "", Screen::kCut, kOwn, [](PanelFrame& f) { drawHints(f.context); }},
+    {"tour", "", Screen::kCut, kOwn, [](PanelFrame& f) { drawTour(f.context, f.state.tour_step); }},
     {"hindrance", "", Screen::kCut, kOwn, [](PanelFrame& f) { drawHindrance(f.context); }},
-    {"export", "", Screen::kCut, kOwn, [](PanelFrame& f) { drawExportPanel(f.context, f.state.ask_for_file); }},
     // The last one of a cut: taking a branch ends the session.
     {"timeline", "", Screen::kCut, kOwn, [](PanelFrame& f) { drawTimeline(f.context); }},
+    {"edges", "", Screen::kAny, kOwn, [](PanelFrame& f) { drawColumnEdges(f.context); }},
+    {"export", "", Screen::kCut, kOwn, [](PanelFrame& f) { drawExportPanel(f.context, f.state.ask_for_file); }},
     {"device", "", Screen::kAny, kOwn, [](PanelFrame& f) { drawDevicePanel(f.context, f.state.devices); }},
     {"sessions", "", Screen::kAny, kOwn, [](PanelFrame& f) { drawSessions(f.context, f.state.sessions); }},
     {"settings", "", Screen::kAny, kOwn, [](PanelFrame& f) { drawSettings(f.context); }},
+    {"keys", "", Screen::kAny, kOwn, [](PanelFrame& f) { drawKeys(f.context); }},
+    {"messages", "", Screen::kAny, kOwn, [](PanelFrame& f) { drawMessages(f.context); }},
+    {"about", "", Screen::kAny, kOwn, [](PanelFrame& f) { drawAbout(f.context); }},
+    {"context", "", Screen::kCut, kOwn, [](PanelFrame& f) { drawContextMenu(f.context, f.state.menu_at); }},
     {"quit", "", Screen::kAny, kOwn, [](PanelFrame& f) { drawQuitQuestion(f.context); }},
     {"job", "", Screen::kAny, kOwn, [](PanelFrame& f) { drawJob(f.context); }},
-    {"notices", "", Screen::kAny, kOwn,
-     [](PanelFrame& f) { drawNotices(f.context, f.state.notices_seen, f.state.notices_drawn); }},
+    {"notices", "", Screen::kAny, kOwn, [](PanelFrame& f) { drawNotices(f.context, f.state.notices); }},
 };
 
-Screen screenOf(const Workbench& bench) {
-  if (bench.imports->isImporting()) return Screen::kImport;
-  if (bench.document->watched()) return Screen::kReplay;
-  return bench.document->isOpen() ? Screen::kCut : Screen::kFirst;
+// Asked for each row: a command of a row above may have ended the document.
+bool isShown(const Panel& panel, const AppContext& context) {
+  const Screen now = screenOf(context.bench);
+  if (panel.screen != Screen::kAny && panel.screen != now) return false;
+  return panel.place == kOwn ||
+         ((now == Screen::kCut || now == Screen::kReplay) && (!panel.is_needed || panel.is_needed(context)));
 }
 
-void drawInColumn(PanelFrame& frame, const Panel& panel) {
-  frame.column.place();
-  ui::begin(std::string(panel.title).c_str(), nullptr,
-            ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
+// The switch of a folded one follows the fold.
+void drawSection(PanelFrame& frame, const Panel& panel) {
+  bool& is_on = frame.context.panels[panel.id];
+  const bool is_folded = panel.place == kFolded;
+  ImGui::SetNextItemOpen(!is_folded || is_on, is_folded ? ImGuiCond_Always : ImGuiCond_Once);
+  const bool is_open = ui::collapsingHeader(panel.title);
+  if (is_folded) is_on = is_open;
+  if (!is_open) return;
+  ImGui::PushID(panel.id.data());
   panel.draw(frame);
-  frame.column.take();
+  ImGui::PopID();
+  ImGui::Dummy({0, scaled(4)});
+}
+
+// A docked window that scrolls. Sections of `first` head it.
+void drawColumn(PanelFrame& frame, std::span<const Panel> rows, const char* id, const FrameArea& at,
+                std::initializer_list<PanelPlace> places) {
+  if (at.width() <= 0) return;
+  ImGui::SetNextWindowPos({at.left, at.top}, ImGuiCond_Always);
+  ImGui::SetNextWindowSize({at.width(), at.height()}, ImGuiCond_Always);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 0);
+  ImGui::SetNextWindowBgAlpha(1);
+  ui::begin(id, nullptr,
+            ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
+                ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoSavedSettings);
+  ImGui::PopStyleVar();
+  for (const PanelPlace place : places)
+    for (const Panel& panel : rows)
+      if (panel.place == place && isShown(panel, frame.context)) drawSection(frame, panel);
   ImGui::End();
 }
 
@@ -127,14 +142,18 @@ std::span<const Panel> panelRows() { return kPanels; }
 
 void drawPanels(AppContext& context, PanelState& state, const std::optional<ToolOverSurface>& over,
                 std::span<const Panel> rows) {
-  PanelColumn column(context);
-  PanelFrame frame{context, state, over, column};
-  for (const Panel& panel : rows) {
-    // Asked for each row: a command of a row above may have ended the document.
-    if (panel.screen != Screen::kAny && panel.screen != screenOf(context.bench)) continue;
-    if (panel.place == PanelPlace::kOwn) panel.draw(frame);
-    if (panel.place == PanelPlace::kColumn) drawInColumn(frame, panel);
+  PanelFrame frame{context, state, over};
+  const FrameLayout layout = frameLayout(context);
+  const Screen screen = screenOf(context.bench);
+  if (screen == Screen::kCut || screen == Screen::kReplay) {
+    drawColumn(frame, rows, "##left", layout.left, {kLeft});
+    if (layout.is_single)
+      drawColumn(frame, rows, "##right", layout.right, {kLeft, kRight, kFolded});
+    else
+      drawColumn(frame, rows, "##right", layout.right, {kRight, kFolded});
   }
+  for (const Panel& panel : rows)
+    if (panel.place == kOwn && isShown(panel, context)) panel.draw(frame);
 }
 
 }  // namespace kerf

@@ -1,12 +1,15 @@
 // Menus and panels around the picture. They show a workbench and run commands; they hold no other state.
 #pragma once
 
+#include <array>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 
 #include "ui/app/commands/app_commands.h"
 #include "ui/app/tool/stroke.h"
+#include "ui/window/frame/notices.h"
 #include "ui/window/frame/panel.h"
 #include "ui/window/panels/device_panel.h"
 #include "ui/window/panels/import_panel.h"
@@ -22,8 +25,9 @@ namespace kerf {
 struct PanelState {
   /// For commands whose parameter is a path: asks for a file first. Set by the window.
   std::function<void(const AppCommand&)> ask_for_file;
-  std::size_t notices_seen = 0;   ///< earlier ones are dismissed
-  std::size_t notices_drawn = 0;  ///< in the last frame
+  NoticesState notices;
+  std::size_t tour_step = 0;
+  std::optional<std::array<double, 2>> menu_at{};  ///< pixel of the picture: opens the context menu there
   ToolPanelState tools{};
   PieceDrag piece_drag{};
   double pixels = 1;  ///< of the picture per window unit

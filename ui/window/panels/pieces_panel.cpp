@@ -109,10 +109,10 @@ void drawColours(AppContext& context, const SceneObject& piece) {
   if (ui::smallButton("None")) giveColour(context, "none");
 }
 
-void drawList(AppContext& context, PanelColumn& column) {
+}  // namespace
+
+void drawPieces(AppContext& context) {
   Workbench& bench = context.bench;
-  column.place();
-  ui::begin("Pieces", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
   const SceneObject* const chosen = bench.pieces->chosen();
   for (SceneObject* piece : bench.document->scene().shown()) {
     if (piece->isBeside()) continue;
@@ -149,17 +149,15 @@ void drawList(AppContext& context, PanelColumn& column) {
     drawColours(context, *chosen);
     drawMove(context, *chosen);
   } else {
+    ImGui::PushTextWrapPos(0);
     ui::textDisabled("Click a piece to move or name it");
+    ImGui::PopTextWrapPos();
   }
-  column.take();
-  ImGui::End();
 }
 
-// The neighbours, by id: two may have one name.
-void drawBeside(AppContext& context, PanelColumn& column) {
+// By id: two may have one name.
+void drawNeighbourList(AppContext& context) {
   Workbench& bench = context.bench;
-  column.place();
-  ui::begin("Neighbours", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
   for (const SceneObject* object : bench.document->scene().shown()) {
     if (!object->isBeside()) continue;
     ImGui::PushID(static_cast<int>(object->id));
@@ -176,11 +174,7 @@ void drawBeside(AppContext& context, PanelColumn& column) {
   bool stops = bench.strokes->stop_short_beside_mm.has_value();
   if (ui::checkbox("Stop short of neighbours", &stops))
     runIfEnabled(context, "cut.spare-neighbours", stops ? std::vector<std::string>{} : std::vector<std::string>{"off"});
-  column.take();
-  ImGui::End();
 }
-
-}  // namespace
 
 std::optional<PieceGizmo> gizmoOf(const AppContext& context) {
   const SceneObject* const piece = context.bench.pieces->chosen();
@@ -218,12 +212,18 @@ void PieceDrag::hover(const AppContext& context, const Pixel& at) {
   hovered_ = gizmo ? gizmo->handleAt(at) : std::nullopt;
 }
 
-void drawPieces(AppContext& context, const PieceDrag& drag, PanelColumn& column, double pixels) {
+bool arePiecesNeeded(const AppContext& context) {
   const auto shown = context.bench.document->scene().shown();
-  const bool is_moved = std::any_of(shown.begin(), shown.end(), [](const auto* piece) { return piece->isMoved(); });
-  if (context.bench.document->scene().pieceCount() < shown.size()) drawBeside(context, column);
-  if (context.bench.document->scene().pieceCount() < 2 && !is_moved) return;
-  drawList(context, column);
+  return context.bench.document->scene().pieceCount() > 1 ||
+         std::any_of(shown.begin(), shown.end(), [](const auto* piece) { return piece->isMoved(); });
+}
+
+bool areNeighboursNeeded(const AppContext& context) {
+  return context.bench.document->scene().pieceCount() < context.bench.document->scene().shown().size();
+}
+
+void drawPieceHandles(const AppContext& context, const PieceDrag& drag, double pixels) {
+  if (!arePiecesNeeded(context)) return;
   if (const auto gizmo = gizmoOf(context)) drawGizmo(*gizmo, drag.lit(), pixels);
 }
 

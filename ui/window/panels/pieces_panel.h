@@ -1,11 +1,11 @@
-// The list of pieces, and handles that move the chosen one. Shows a workbench and runs its functions.
+// The lists of pieces and of neighbours, and handles that move the chosen piece. Shows a workbench and runs its
+// functions.
 #pragma once
 
 #include <optional>
 
 #include "ui/app/commands/app_commands.h"
 #include "ui/app/view/piece_gizmo.h"
-#include "ui/window/frame/panel_column.h"
 
 namespace kerf {
 
@@ -31,8 +31,14 @@ class PieceDrag {
 /// Handles of the chosen piece; none without one.
 std::optional<PieceGizmo> gizmoOf(const AppContext& context);
 
-/// The list, if there are several pieces or a moved one, and the handles over the picture.
-/// @param pixels  of the picture per window unit.
-void drawPieces(AppContext& context, const PieceDrag& drag, PanelColumn& column, double pixels);
+/// The list. Needed with several pieces or a moved one.
+bool arePiecesNeeded(const AppContext& context);
+void drawPieces(AppContext& context);
+/// The handles over the picture.   @param pixels  of the picture per window unit.
+void drawPieceHandles(const AppContext& context, const PieceDrag& drag, double pixels);
+
+/// Other objects of the session.
+bool areNeighboursNeeded(const AppContext& context);
+void drawNeighbourList(AppContext& context);
 
 }  // namespace kerf

@@ -70,14 +70,6 @@ void drawNeighbours(const Workbench& bench, const std::optional<ToolOverSurface>
       reading(phrase("Cut off {}", other.name).c_str(), fmt::format("{:.3f}", other.removed_mm3), "mm3", true);
 }
 
-// A folding part. Its switch follows the fold.
-void drawSection(PanelFrame& frame, const Panel& panel) {
-  bool& is_open = frame.context.panels[panel.id];
-  ImGui::SetNextItemOpen(is_open, ImGuiCond_Always);
-  is_open = ui::collapsingHeader(panel.title);
-  if (is_open) panel.draw(frame);
-}
-
 }  // namespace
 
 void drawLoop(PanelFrame& frame) {
@@ -86,12 +78,6 @@ void drawLoop(PanelFrame& frame) {
   reading("Loop", loop.hz ? fmt::format("{:.0f}", *loop.hz) : "-", "Hz", loop.hz && *loop.hz < kLeastHz);
   if (loop.p99_ms) reading("Tick p99", fmt::format("{:.2f}", *loop.p99_ms), "ms");
   reading("Overruns", fmt::format("{}", loop.overruns), phrase("of {}", loop.ticks).c_str());
-}
-
-void drawSections(PanelFrame& frame) {
-  const bool is_cut = frame.context.bench.document->isOpen();
-  for (const Panel& panel : panelRows())
-    if (panel.place == PanelPlace::kReadings && (panel.screen == Screen::kAny || is_cut)) drawSection(frame, panel);
 }
 
 void drawReadings(PanelFrame& frame) {
@@ -113,7 +99,6 @@ void drawReadings(PanelFrame& frame) {
   drawHeat(bench);
   reading("Removed", fmt::format("{:.2f}", bench.document->removedMm3()), "mm3");
   drawPoint(context, over.has_value());
-  drawSections(frame);
   if (r.is_latched)
     ui::textColored(styleColours().warning, bench.device->isLed() ? "Stopped: waiting for the device."
                                                                   : "Stopped: the computer was busy. Press again.");

@@ -1,5 +1,4 @@
-// The readings of a cut: depth, distances, force, heat, removed volume, the 1 kHz loop; and the sections of other
-// panels.
+// The readings of a cut: depth, distances, force, heat, removed volume; and the 1 kHz loop.
 #pragma once
 
 #include "ui/window/frame/panel.h"
@@ -7,9 +6,7 @@
 namespace kerf {
 
 void drawReadings(PanelFrame& frame);
-/// The 1 kHz loop: rate, duration, overruns; a section.
+/// The 1 kHz loop: rate, duration, overruns.
 void drawLoop(PanelFrame& frame);
-/// The rows of the panel table with PanelPlace::kReadings. Draws within the window of a panel.
-void drawSections(PanelFrame& frame);
 
 }  // namespace kerf

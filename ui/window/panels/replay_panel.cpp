@@ -14,10 +14,9 @@
 #include "ui/app/workbench/replays.h"
 #include "ui/app/workbench/tool_monitor.h"
 #include "ui/app/workbench/tools.h"
-#include "ui/window/frame/panel_column.h"
+#include "ui/window/frame/frame_layout.h"
 #include "ui/window/gl/theme.h"
 #include "ui/window/gl/widgets.h"
-#include "ui/window/panels/readings_panel.h"
 #include "ui/window/screens/readings.h"
 
 namespace kerf {
@@ -129,9 +128,9 @@ void drawBar(AppContext& context) {
 void drawReplayStrip(AppContext& context) {
   const WatchedRun& run = *context.bench.document->watched();
   const WatchMoment& now = run.moment();
-  const ImGuiIO& io = ImGui::GetIO();
-  ImGui::SetNextWindowPos({scaled(8), io.DisplaySize.y - 8}, ImGuiCond_Always, {0, 1});
-  ImGui::SetNextWindowSize({std::max(io.DisplaySize.x - scaled(16), scaled(200)), 0}, ImGuiCond_Always);
+  const FrameArea at = frameLayout(context).strip;
+  ImGui::SetNextWindowPos({at.left, at.top}, ImGuiCond_Always);
+  ImGui::SetNextWindowSize({at.width(), at.height()}, ImGuiCond_Always);
   ui::begin("##replay", nullptr,
             ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
   button(context, "|<", "replay.begin");
@@ -165,7 +164,6 @@ void drawReplayMoment(PanelFrame& frame) {
   drawHeat(bench);
   reading("Removed", fmt::format("{:.2f}", bench.document->removedMm3()), "mm3");
   reading("Pieces", fmt::format("{}", report.object_count), "");
-  drawSections(frame);
 }
 
 }  // namespace kerf

@@ -13,15 +13,15 @@
 #include "ui/app/document/document.h"
 #include "ui/app/document/jobs.h"
 #include "ui/app/workbench/tools.h"
+#include "ui/window/frame/frame_layout.h"
 #include "ui/window/gl/theme.h"
 #include "ui/window/gl/widgets.h"
 
 namespace kerf {
 namespace {
 
-constexpr float kValueAt = 96, kStepWidth = 30;
+constexpr float kValueAt = 84, kStepWidth = 28;                 // before scaled()
 constexpr double kStepMm = 0.1, kStepDegrees = 1, kFine = 0.1;  // Shift: a tenth of it
-const ImVec4 kQuiet{0.42f, 0.45f, 0.50f, 1}, kAccent{0.10f, 0.42f, 0.62f, 1}, kWhite{1, 1, 1, 1};
 
 void runSaw(AppContext& context, const char* id, const std::vector<std::string>& words = {}) {
   if (const auto done = runAppCommand(context, id, words); !done) context.bench.notices->complain(done.error());
@@ -32,32 +32,20 @@ void stepper(AppContext& context, const char* name, const std::string& value, co
              double base = 0) {
   ImGui::PushID(name);
   ImGui::AlignTextToFramePadding();
-  ui::textColored(kQuiet, name);
-  ui::sameLineAt(kValueAt);
+  ui::textColored(styleColours().quiet, name);
+  ui::sameLineAt(scaled(kValueAt));
   ui::text(value);
 
   const double by = ImGui::GetIO().KeyShift ? kFine * step : step;
-  const float right = ImGui::GetWindowContentRegionMax().x;
+  const float right = ImGui::GetWindowContentRegionMax().x, width = scaled(kStepWidth), gap = scaled(4);
   ImGui::PushButtonRepeat(true);
-  ImGui::SameLine(right - 2 * kStepWidth - 4);
-  if (ui::button("-", {kStepWidth, 0})) runSaw(context, command, {fmt::format("{:.9g}", base - by)});
-  ImGui::SameLine(right - kStepWidth);
-  if (ui::button("+", {kStepWidth, 0})) runSaw(context, command, {fmt::format("{:.9g}", base + by)});
+  ImGui::SameLine(right - 2 * width - gap);
+  if (ui::button("-", {width, 0})) runSaw(context, command, {fmt::format("{:.9g}", base - by)});
+  ImGui::SameLine(right - width);
+  if (ui::button("+", {width, 0})) runSaw(context, command, {fmt::format("{:.9g}", base + by)});
   ImGui::PopButtonRepeat();
   if (ImGui::IsItemHovered()) ui::setTooltip("Shift: 10 times finer steps");
   ImGui::PopID();
-}
-
-bool wideButton(const char* label, bool is_main) {
-  if (is_main) {
-    ImGui::PushStyleColor(ImGuiCol_Button, kAccent);
-    ImGui::PushStyleColor(ImGuiCol_ButtonHovered, ImVec4(0.14f, 0.50f, 0.72f, 1));
-    ImGui::PushStyleColor(ImGuiCol_ButtonActive, ImVec4(0.07f, 0.34f, 0.52f, 1));
-    ImGui::PushStyleColor(ImGuiCol_Text, kWhite);
-  }
-  const bool is_pressed = ui::button(label, {-1, 30});
-  if (is_main) ImGui::PopStyleColor(4);
-  return is_pressed;
 }
 
 void drawProgress(AppContext& context, const SawingStatus& status) {
@@ -66,12 +54,12 @@ void drawProgress(AppContext& context, const SawingStatus& status) {
   ui::progressBar(static_cast<float>(status.share), {-1, 0}, done);
   std::string line = fmt::format("{:.0f} s", status.seconds);
   if (status.left_s && !status.is_stopping) line += phrase(", about {:.0f} s left", std::ceil(*status.left_s));
-  ui::textColored(kQuiet, line);
+  ui::textColored(styleColours().quiet, line);
   const std::string volumes = phrase("{:.1f} of {:.1f} mm3", status.removed_mm3, status.planned_mm3);
-  ui::textColored(kQuiet, volumes);
+  ui::textColored(styleColours().quiet, volumes);
   if (status.is_stopping)
     ui::text("Retracting the blade...");
-  else if (wideButton("Stop", false))
+  else if (ui::button("Stop", {-1, 0}))
     runSaw(context, "saw.stop");
 }
 
@@ -103,7 +91,7 @@ void drawPlanes(AppContext& context, SawPanelState& state) {
   }
   std::array<char, 61> text{};
   state.name.copy(text.data(), text.size() - 1);
-  ImGui::PushItemWidth(ImGui::GetContentRegionAvail().x - 70);
+  ImGui::PushItemWidth(ImGui::GetContentRegionAvail().x - scaled(80));
   if (ui::inputText("##name", text.data(), text.size())) state.name = text.data();
   if (ImGui::IsItemDeactivatedAfterEdit()) runSaw(context, "saw.rename", {state.name});
   ImGui::PopItemWidth();
@@ -126,7 +114,8 @@ void drawClearance(AppContext& context) {
   const auto left = context.bench.saw->clearance();
   if (!left) return;
   if (left->is_far)
-    return ui::textColored(kQuiet, phrase("More than {:.0f} mm from all nerves and pulps", left->distance_mm));
+    return ui::textColored(styleColours().quiet,
+                           phrase("More than {:.0f} mm from all nerves and pulps", left->distance_mm));
   const std::string name = shownText(context.bench.document->nameOf(left->material));
   const std::string away = phrase("{:.1f} mm from the {}", left->distance_mm, name);
   if (left->distance_mm < 0)
@@ -151,7 +140,7 @@ void drawCut(AppContext& context) {
                       static_cast<float>(Sawing::kMostForce), "%.1f N", ImGuiSliderFlags_AlwaysClamp))
     saw.force = static_cast<double>(force);
   ImGui::PopItemWidth();
-  if (wideButton("Cut this plane", true)) runSaw(context, "saw.cut");
+  if (strongButton("Cut this plane", "", -1)) runSaw(context, "saw.cut");
 }
 
 void drawCutAtOnce(AppContext& context) {
@@ -168,48 +157,43 @@ void drawCutAtOnce(AppContext& context) {
   }
 }
 
-void drawHint(const Sawing& saw) {
-  const std::string hint = saw.picking.hint();
+}  // namespace
+
+void drawPickingHint(const AppContext& context) {
+  const std::string hint = context.bench.saw->picking.hint();
   if (hint.empty()) return;
-  const ImGuiIO& io = ImGui::GetIO();
-  ImGui::SetNextWindowPos({0.5f * io.DisplaySize.x, ImGui::GetFrameHeight() + 12}, ImGuiCond_Always, {0.5f, 0});
+  const FrameArea free = frameLayout(context).free;
+  ImGui::SetNextWindowPos({free.middle(), free.top + scaled(8)}, ImGuiCond_Always, {0.5f, 0});
   ui::begin("##sawhint", nullptr,
             ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove |
                 ImGuiWindowFlags_NoInputs);
-  ui::textColored(kAccent, hint);
+  ImGui::PushTextWrapPos(free.width() - scaled(32));
+  ui::textColored(styleColours().accent, hint);
+  ImGui::PopTextWrapPos();
   ImGui::End();
 }
 
-}  // namespace
+bool isSawPanelNeeded(const AppContext& context) {
+  const Workbench& bench = context.bench;
+  return bench.saw->plan().chosen() || SawBlade::of(bench.tools->at(bench.tools->inHand()));
+}
 
-void drawSawPanel(AppContext& context, SawPanelState& state, PanelColumn& column) {
-  Workbench& bench = context.bench;
-  Sawing& saw = *bench.saw;
-  drawHint(saw);
+void drawSawPanel(AppContext& context, SawPanelState& state) {
+  const Sawing& saw = *context.bench.saw;
+  if (const auto status = saw.status()) return drawProgress(context, *status);
   const bool has_planes = saw.plan().chosen() != nullptr;
-  if (!has_planes && !SawBlade::of(bench.tools->at(bench.tools->inHand()))) return;
-
-  column.place();
-  ui::begin("Saw plan", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
-  if (const auto status = saw.status()) {
-    drawProgress(context, *status);
-  } else {
-    if (!has_planes) ui::textColored(kQuiet, "Plan a cut from");
-    drawWaysOfPlanning(context);
-    if (has_planes) {
-      ImGui::Separator();
-      drawPlanes(context, state);
-    }
-    if (saw.plan().chosen()) {
-      drawSteppers(context);
-      ImGui::Separator();
-      drawCutAtOnce(context);
-      ImGui::Separator();
-      drawCut(context);
-    }
+  if (!has_planes) ui::textColored(styleColours().quiet, "Plan a cut from");
+  drawWaysOfPlanning(context);
+  if (has_planes) {
+    ImGui::Separator();
+    drawPlanes(context, state);
   }
-  column.take();
-  ImGui::End();
+  if (!saw.plan().chosen()) return;  // it was deleted now
+  drawSteppers(context);
+  ImGui::Separator();
+  drawCutAtOnce(context);
+  ImGui::Separator();
+  drawCut(context);
 }
 
 }  // namespace kerf

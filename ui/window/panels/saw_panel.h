@@ -6,7 +6,6 @@
 #include <string>
 
 #include "ui/app/commands/app_commands.h"
-#include "ui/window/frame/panel_column.h"
 
 namespace kerf {
 
@@ -16,7 +15,11 @@ struct SawPanelState {
   std::uint64_t version = 0;  ///< version of the plan behind `name`
 };
 
-/// Runs commands; errors become notices. Drawn while a document is open.
-void drawSawPanel(AppContext& context, SawPanelState& state, PanelColumn& column);
+/// With a plane, or with a saw in hand.
+bool isSawPanelNeeded(const AppContext& context);
+/// Runs commands; errors become notices.
+void drawSawPanel(AppContext& context, SawPanelState& state);
+/// Over the picture, while the user picks.
+void drawPickingHint(const AppContext& context);
 
 }  // namespace kerf

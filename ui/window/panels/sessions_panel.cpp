@@ -11,6 +11,7 @@
 #include "ui/app/base/language.h"
 #include "ui/app/document/file_history.h"
 #include "ui/app/document/jobs.h"
+#include "ui/window/frame/frame_layout.h"
 #include "ui/window/gl/theme.h"
 #include "ui/window/gl/widgets.h"
 
@@ -33,8 +34,16 @@ bool beginQuestion(const char* title) {
   return ui::beginPopupModal(title, nullptr, ImGuiWindowFlags_NoResize);
 }
 
+// Esc took its reason away.
+void endQuestion(const char* title) {
+  if (!ui::isPopupOpen(title) || !ui::beginPopupModal(title)) return;
+  ImGui::CloseCurrentPopup();
+  ImGui::EndPopup();
+}
+
 void drawRename(AppContext& context, SessionsPanelState& state) {
-  if (!state.renamed || !beginQuestion(kRename)) return;
+  if (!state.renamed) return endQuestion(kRename);
+  if (!beginQuestion(kRename)) return;
   if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
   ImGui::SetNextItemWidth(-1);
   const bool is_entered = ui::inputText("##name", state.name, sizeof(state.name), ImGuiInputTextFlags_EnterReturnsTrue);
@@ -48,7 +57,7 @@ void drawRename(AppContext& context, SessionsPanelState& state) {
     is_over = true;
   }
   ImGui::SameLine();
-  is_over |= plainButton("Cancel", "Esc", -1) || ImGui::IsKeyPressed(ImGuiKey_Escape);
+  is_over |= plainButton("Cancel", "Esc", -1);
   if (is_over) {
     state.renamed.reset();
     ImGui::CloseCurrentPopup();
@@ -57,13 +66,14 @@ void drawRename(AppContext& context, SessionsPanelState& state) {
 }
 
 void drawDelete(AppContext& context, SessionsPanelState& state) {
-  if (!state.deleted || !beginQuestion(kDelete)) return;
+  if (!state.deleted) return endQuestion(kDelete);
+  if (!beginQuestion(kDelete)) return;
   ImGui::PushTextWrapPos(0);
   ui::text(ui::asItIs(state.deleted->string()));
   ui::text("Kerf deletes the folder with all cuts of that session. You cannot undo this.");
   ImGui::PopTextWrapPos();
   ImGui::Dummy({0, scaled(4)});
-  bool is_over = strongButton("Keep session", "Esc", scaled(200)) || ImGui::IsKeyPressed(ImGuiKey_Escape);
+  bool is_over = strongButton("Keep session", "Esc", scaled(200));
   ImGui::SameLine();
   if (plainButton("Delete session", "", -1)) {
     std::vector<std::string> words = numberOfSession(context.bench, *state.deleted);
@@ -130,11 +140,8 @@ void drawSessions(AppContext& context, SessionsPanelState& state) {
     bench.history->refreshSessions();
     state.pictures.clear();
   }
-  const ImGuiIO& io = ImGui::GetIO();
-  ImGui::SetNextWindowPos({0.5f * io.DisplaySize.x, 0.5f * io.DisplaySize.y}, ImGuiCond_Always, {0.5f, 0.5f});
-  ImGui::SetNextWindowSize(
-      {std::min(scaled(640), io.DisplaySize.x - scaled(24)), std::min(scaled(460), io.DisplaySize.y - scaled(60))},
-      ImGuiCond_Always);
+  placeDialog(context, scaled(640), scaled(460));
+  ImGui::SetNextWindowBgAlpha(1);
   ui::begin("Sessions", &context.panels["sessions"],
             ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse);
   if (bench.history->sessions().empty()) ui::textColored(styleColours().quiet, "No saved sessions.");

@@ -14,7 +14,13 @@ struct SessionsPanelState {
   PictureTextures pictures;
   bool was_drawn = false;
   std::optional<std::filesystem::path> renamed{}, deleted{};  ///< the session of the open question
-  bool isAsking() const { return renamed || deleted; }
+  /// Closes the question.   @return  false: there is none.
+  bool stopAsking() {
+    const bool asked = renamed || deleted;
+    renamed.reset();
+    deleted.reset();
+    return asked;
+  }
   char name[101] = {};  ///< of the renamed one
 };
 

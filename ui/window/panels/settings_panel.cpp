@@ -12,6 +12,7 @@
 #include "ui/app/document/jobs.h"
 #include "ui/app/settings/settings.h"
 #include "ui/app/workbench/strokes.h"
+#include "ui/window/frame/frame_layout.h"
 #include "ui/window/gl/theme.h"
 #include "ui/window/gl/widgets.h"
 
@@ -66,9 +67,7 @@ void drawLanguage(AppContext& context) {
 void drawSettings(AppContext& context) {
   if (!context.panels["settings"] || !context.settings) return;
   Settings& values = context.settings->values;
-  const ImGuiIO& io = ImGui::GetIO();
-  ImGui::SetNextWindowPos({0.5f * io.DisplaySize.x, 0.45f * io.DisplaySize.y}, ImGuiCond_Always, {0.5f, 0.5f});
-  ImGui::SetNextWindowSize({scaled(420), 0}, ImGuiCond_Always);
+  placeDialog(context, scaled(420));
   ui::begin("Settings", &context.panels["settings"],
             ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse);
   if (context.settings->error()) drawBrokenSettings(context);

@@ -48,9 +48,12 @@ void drawTissueRow(AppContext& context, const SeenTissue& tissue) {
   ImGui::ColorButton("##colour", shownTissues(tissue.colour),
                      ImGuiColorEditFlags_NoTooltip | ImGuiColorEditFlags_NoPicker, {scaled(16), scaled(16)});
   ImGui::SameLine();
-  ui::text(tissue.name);
+  const float ghost = ImGui::GetFrameHeight() + ImGui::GetStyle().ItemInnerSpacing.x + ui::textSize("ghost").x;
+  const float room = ImGui::GetContentRegionAvail().x - ghost - scaled(6);
+  ui::text(ui::asItIs(ui::beginThatFits(shownText(tissue.name), room)));
+  if (ImGui::IsItemHovered()) ui::setTooltip(tissue.name);
 
-  ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - scaled(66));
+  ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - ghost);
   bool is_ghost = tissue.look == TissueLook::kGhost;
   if (ui::checkbox("ghost", &is_ghost)) runTissues(context, "view.tissue", {tissue.id, is_ghost ? "ghost" : "show"});
   if (ImGui::IsItemHovered()) ui::setTooltip("Make translucent");
@@ -111,19 +114,18 @@ void drawLegend(SurfaceColours colours) {
 
 }  // namespace
 
-void drawTissues(AppContext& context, PanelColumn& column) {
+bool areTissuesNeeded(const AppContext& context) {
   const TissueDisplay& tissues = context.bench.views->tissues();
-  const bool has_choice = tissues.all().size() > 1 || tissues.hasScanColours();
-  if (!has_choice && tissues.colours() == SurfaceColours::kTissue) return;
-  column.place();
-  ui::begin("Tissues", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize);
+  return tissues.all().size() > 1 || tissues.hasScanColours() || tissues.colours() != SurfaceColours::kTissue;
+}
+
+void drawTissues(AppContext& context) {
+  const TissueDisplay& tissues = context.bench.views->tissues();
   if (tissues.all().size() > 1)
     for (const SeenTissue& tissue : tissues.all()) drawTissueRow(context, tissue);
   drawTissueColours(context);
   drawLegend(tissues.colours());
   if (tissues.isBusy()) ui::textColored(styleColours().quiet, "working...");
-  column.take();
-  ImGui::End();
 }
 
 }  // namespace kerf

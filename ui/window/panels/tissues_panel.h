@@ -1,11 +1,12 @@
 // The list of tissues with colours and visibility, and the legend of a map of depth or distance.
 #pragma once
 
-#include "ui/window/frame/panel_column.h"
+#include "ui/app/commands/app_commands.h"
 
 namespace kerf {
 
-/// Shown if there is more than one tissue, or while a map is shown.
-void drawTissues(AppContext& context, PanelColumn& column);
+/// More than one tissue, or a map is shown.
+bool areTissuesNeeded(const AppContext& context);
+void drawTissues(AppContext& context);
 
 }  // namespace kerf

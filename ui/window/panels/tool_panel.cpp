@@ -31,11 +31,16 @@ std::string sizeOf(const Tool& tool) {
   return "";
 }
 
-// "Round bur 014": words, and parts that begin with a number.
-std::string shownName(const Tool& tool) {
+// "Round bur 014": its number, which tells it from its neighbours, and its words.
+struct RowName {
+  std::string number, words;
+};
+RowName shownName(const Tool& tool) {
   const std::string_view name = tool.name.empty() ? tool.id : tool.name;
-  const std::size_t number = std::min(name.find_first_of("0123456789"), name.size());
-  return shownText(name.substr(0, number)) + std::string(name.substr(number));
+  const std::size_t at = std::min(name.find_first_of("0123456789"), name.size());
+  std::string_view words = name.substr(0, at);
+  while (words.ends_with(' ')) words.remove_suffix(1);
+  return {std::string(name.substr(at)), shownText(words)};
 }
 
 void drawIcon(const std::vector<IconTriangle>& icon, ImVec2 at, float side) {
@@ -109,10 +114,16 @@ bool drawRow(AppContext& context, ToolPanelState& state, const RackView& view, s
   ImDrawList* const draw = ImGui::GetWindowDrawList();
   const std::string size = sizeOf(tool);
   const float size_at = right - ui::textSize(size).x;
-  draw->PushClipRect(at, {size_at - scaled(6), at.y + side}, true);
-  ui::addText(*draw, {at.x + side + scaled(8), at.y + 0.5f * (side - line)},
-              error ? ImGui::GetColorU32(styleColours().warning) : ImGui::GetColorU32(ImGuiCol_Text), shownName(tool));
-  draw->PopClipRect();
+  const RowName name = shownName(tool);
+  const ImU32 ink = error ? ImGui::GetColorU32(styleColours().warning) : ImGui::GetColorU32(ImGuiCol_Text);
+  const float top = at.y + 0.5f * (side - line);
+  float left = at.x + side + scaled(8);
+  if (!name.number.empty()) {
+    ui::addText(*draw, {left, top}, ink, ui::asItIs(name.number));
+    left += ui::textSize(ui::asItIs(name.number)).x + scaled(6);
+  }
+  ui::addText(*draw, {left, top}, name.number.empty() ? ink : ImGui::GetColorU32(styleColours().quiet),
+              ui::asItIs(ui::beginThatFits(name.words, size_at - scaled(6) - left)));
   ui::addText(*draw, {size_at, at.y + 0.5f * (side - line)}, ImGui::GetColorU32(styleColours().quiet), size);
   ImGui::PopID();
   return is_clicked;
@@ -136,7 +147,8 @@ std::optional<std::size_t> drawRack(AppContext& context, ToolPanelState& state) 
   Workbench& bench = context.bench;
   ImGui::PushItemWidth(-1);
   const std::string hint = phrase("Search {} tools: round, 1.4, saw...", bench.tools->count());
-  ui::inputTextWithHint("##search", hint, state.search.data(), state.search.size());
+  ui::inputTextWithHint("##search", ui::asItIs(ui::beginThatFits(hint, ImGui::GetContentRegionAvail().x - scaled(12))),
+                        state.search.data(), state.search.size());
   ImGui::PopItemWidth();
 
   RackView view{.search = state.search.data(), .shows_all = state.shows_all};
@@ -233,14 +245,10 @@ void drawToolHand(AppContext& context) {
 }  // namespace
 
 void drawTools(AppContext& context, ToolPanelState& state) {
-  ImGui::SetNextWindowPos({8, ImGui::GetFrameHeight() + 8}, ImGuiCond_Always);
-  ImGui::SetNextWindowSize({scaled(kPanelWidth), 0}, ImGuiCond_Always);
-  ui::begin("Tool", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
   const std::optional<std::size_t> clicked = drawRack(context, state);
   ImGui::Separator();
   drawTilt(context);
   drawToolHand(context);
-  ImGui::End();
   if (clicked) runIfEnabled(context, "tool.select", std::vector<std::string>{context.bench.tools->wordFor(*clicked)});
 }
 

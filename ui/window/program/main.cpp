@@ -152,6 +152,7 @@ kerf::Expected<void> cut(const Arguments& arguments, const Shown& shown) {
   options.bench.unit = arguments.unit;
   options.bench.device = arguments.device;
   options.space_mouse = arguments.space_mouse;
+  options.has_size = !arguments.size.empty();
   options.width = shown.width;
   options.height = shown.height;
   options.frames = arguments.frames;

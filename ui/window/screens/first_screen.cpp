@@ -73,11 +73,15 @@ void FirstScreen::draw(AppContext& context, const std::function<void(const AppCo
   ImGui::Dummy({0, scaled(2)});
   if (strongButton("Open file...", "Ctrl+O", scaled(230))) ask_for_file(*findAppCommand("import.read"));
   ImGui::SameLine(0, scaled(24));
-  const float line = ImGui::GetCursorPosY();
+  float line = ImGui::GetCursorPosY();
   ImGui::SetCursorPosY(line + 0.5f * (scaled(34) - ImGui::GetTextLineHeight()));
   ui::textColored(styleColours().quiet, "or open a demo:");
   for (const char* const name : demoNames()) {
     ImGui::SameLine();
+    if (ImGui::GetContentRegionAvail().x < scaled(120)) {  // on the next line
+      ImGui::NewLine();
+      line = ImGui::GetCursorPosY() + scaled(34) - ImGui::GetTextLineHeight();
+    }
     ImGui::SetCursorPosY(line);
     if (plainButton(name, "", scaled(96))) runIfEnabled(context, "file.demo", std::vector<std::string>{name});
   }
