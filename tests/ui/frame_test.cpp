@@ -12,10 +12,12 @@
 #include "ui/app/base/language.h"
 #include "ui/app/document/jobs.h"
 #include "ui/app/settings/settings.h"
+#include "ui/app/view/tissue_display.h"
 #include "ui/app/workbench/scene_pieces.h"
 #include "ui/app/workbench/sessions.h"
 #include "ui/window/frame/frame_layout.h"
 #include "ui/window/frame/notices.h"
+#include "ui/window/gl/double_click.h"
 #include "ui/window/panels/panels.h"
 
 namespace kerf::frame_test {
@@ -109,7 +111,7 @@ TEST_F(Frame, NothingOverlapsAndNoTextIsCutOff) {
       ASSERT_TRUE(showLanguage(language, config_.path()));
       test::ImGuiNowhere imgui(size, scale);
       PanelState panels;
-      bench_.notices->say("It is said while the frame is looked at.");
+      bench_.notices->say("A notice stands over the picture.");
       bench_.notices->complain({.code = Error::Code::kBadValue, .found = "an error", .expected = "none"});
       context_.width = static_cast<int>(size.x);
       context_.height = static_cast<int>(size.y);
@@ -141,6 +143,101 @@ TEST_F(Frame, InformationFadesAndAnErrorStays) {
   for (int n = 0; n < frames; ++n) draw();
   ASSERT_EQ(state.shown.size(), 1u);
   EXPECT_TRUE(bench_.notices->list()[state.shown.front().index].is_error);
+}
+
+// Esc: a list within a menu first, then the menu.
+TEST(Popups, TheTopmostClosesFirst) {
+  test::ImGuiNowhere imgui;
+  bool is_outer = false, is_inner = false, opens = true, closes = false, has_closed = false;
+  const auto draw = [&] {
+    imgui.draw([&] {
+      if (closes) has_closed = ui::closeTopmostPopup();
+      ImGui::SetNextWindowPos({0, 0});
+      ui::begin("w");
+      if (opens) ui::openPopup("outer");
+      is_outer = ui::beginPopup("outer");
+      if (is_outer) {
+        if (opens) ui::openPopup("inner");
+        is_inner = ui::beginPopup("inner");
+        if (is_inner) ImGui::EndPopup();
+        ImGui::EndPopup();
+      } else {
+        is_inner = false;
+      }
+      opens = false;
+      ImGui::End();
+    });
+  };
+  for (int n = 0; n < 3; ++n) draw();
+  ASSERT_TRUE(is_outer && is_inner);
+  closes = true;
+  draw();
+  EXPECT_TRUE(has_closed && is_outer);
+  EXPECT_FALSE(is_inner);
+  draw();
+  EXPECT_TRUE(has_closed);
+  EXPECT_FALSE(is_outer);
+  draw();
+  EXPECT_FALSE(has_closed);
+}
+
+TEST(DoubleClick, IsJudgedByTheTimesOfItsEvents) {
+  DoubleClick clicks;
+  clicks.press(1.0, 10, 10);
+  EXPECT_FALSE(clicks.take());
+  clicks.press(1.3, 12, 11);
+  EXPECT_TRUE(clicks.take());
+  EXPECT_FALSE(clicks.take());
+  clicks.press(1.4, 12, 11);
+  EXPECT_FALSE(clicks.take()) << "the third begins anew";
+  clicks.press(2.0, 12, 11);
+  EXPECT_FALSE(clicks.take()) << "too late";
+  clicks.press(2.1, 30, 11);
+  EXPECT_FALSE(clicks.take()) << "too far";
+}
+
+TEST_F(Frame, FitUsesTheFreeAreaOfThePicture) {
+  context_.width = 1280;
+  context_.height = 800;
+  context_.margins = {.left = 250, .top = 22, .right = 400, .bottom = 38};
+  for (const char* const view : {"front", "top", "iso"}) {
+    ASSERT_TRUE(runAppCommand(context_, "view.from", std::vector<std::string>{view}));
+    const Box3 box = bench_.document->scene().bounds();
+    for (int n = 0; n < 8; ++n) {
+      const auto at = pixelOf(context_.camera, box.corner(n), 1280, 800);
+      EXPECT_GT(at[0], 250);
+      EXPECT_LT(at[0], 1280 - 400);
+      EXPECT_GT(at[1], 22);
+      EXPECT_LT(at[1], 800 - 38);
+    }
+    const auto middle = pixelOf(context_.camera, box.center(), 1280, 800);
+    EXPECT_NEAR(middle[0], 0.5 * (250 + 880), 1);
+    EXPECT_NEAR(middle[1], 0.5 * (22 + 762), 1);
+  }
+}
+
+TEST_F(Frame, TheLeftButtonTurnsTheViewUntilTheToolIsTaken) {
+  EXPECT_TRUE(leftButtonCuts(context_));
+  context_.settings = &settings_;
+  EXPECT_FALSE(findAppCommand("tool.take")->is_enabled(context_));
+  ASSERT_TRUE(runAppCommand(context_, "settings.left-button", std::vector<std::string>{"turn"}));
+  EXPECT_FALSE(leftButtonCuts(context_));
+  ASSERT_TRUE(runAppCommand(context_, "tool.take"));
+  EXPECT_TRUE(leftButtonCuts(context_));
+  ASSERT_TRUE(runAppCommand(context_, "tool.take"));
+  EXPECT_FALSE(leftButtonCuts(context_));
+  ASSERT_TRUE(runAppCommand(context_, "tool.select", std::vector<std::string>{"round-014"}));
+  EXPECT_TRUE(leftButtonCuts(context_)) << "a tool of the rack is in hand";
+  EXPECT_TRUE(SettingsFile(config_.path()).values.left_turns);
+}
+
+TEST(MapScale, StepsEveryHalfMillimetreWithBands) {
+  const MapScale smooth{2, false}, bands{2, true};
+  EXPECT_DOUBLE_EQ(smooth.shareOf(0.7), 0.35);
+  EXPECT_DOUBLE_EQ(bands.shareOf(0.7), 0.25);
+  EXPECT_DOUBLE_EQ(bands.shareOf(0.49), 0);
+  EXPECT_DOUBLE_EQ(bands.shareOf(7), 1);
+  EXPECT_EQ(bands.shareOf(-1), 0);
 }
 
 }  // namespace

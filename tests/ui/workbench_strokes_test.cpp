@@ -168,6 +168,9 @@ TEST_F(WorkbenchStrokesTest, ASessionThatEndsTellsItsNumbers) {
   ASSERT_TRUE(play("file.close\nwait\nprint\n"));
   const auto& told = bench_->sessions->lastResult();
   ASSERT_TRUE(told) << said();
+  ASSERT_TRUE(bench_->sessions->debrief());
+  EXPECT_NE(bench_->sessions->debrief()->text.find("cortical bone 0."), std::string::npos);
+  EXPECT_TRUE(fs::exists(bench_->sessions->debrief()->folder / "run.toml"));
   EXPECT_NEAR(told->removed_by_material.at("cortical"), bone, 1e-6);
   EXPECT_TRUE(told->mean_contact_force && told->contact_force && told->hottest && told->seconds);
   // The stroke into the canal was undone.

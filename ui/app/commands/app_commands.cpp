@@ -7,6 +7,7 @@
 #include "ui/app/commands/command_tables.h"
 #include "ui/app/document/document.h"
 #include "ui/app/document/jobs.h"
+#include "ui/app/settings/settings.h"
 
 namespace kerf {
 namespace {
@@ -46,6 +47,10 @@ Expected<void> switchPanel(AppContext& c, AppWords words, std::string_view panel
   else
     return wrongWord("\"" + words[0] + "\"", "on or off");
   return {};
+}
+
+bool leftButtonCuts(const AppContext& context) {
+  return !context.settings || !context.settings->values.left_turns || context.is_tool_taken;
 }
 
 std::span<const AppCommand> appCommands() {

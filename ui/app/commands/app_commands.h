@@ -56,10 +56,14 @@ struct AppContext {
   std::function<void(const std::string& text)> set_clipboard{};  ///< null: to standard output
   SettingsFile* settings = nullptr;                              ///< null: settings are not saved
   bool wants_palette = false;
+  bool is_tool_taken = false;  ///< while the left button turns the view: tool.take
   /// Asks for the file of a command, then runs it; null: nobody can answer.
   std::function<void(std::string_view id)> ask_for_file{};
   PanelSwitches panels{};
 };
+
+/// The left button leads the tool, not the view.
+bool leftButtonCuts(const AppContext& context);
 
 struct AppCommand {
   std::string_view id;  ///< "file.open"

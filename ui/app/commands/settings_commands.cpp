@@ -104,6 +104,14 @@ Expected<void> setLanguage(AppContext& c, AppWords words) {
   return c.settings->save();
 }
 
+Expected<void> setLeftButton(AppContext& c, AppWords words) {
+  if (words.empty() || (words[0] != "tool" && words[0] != "turn"))
+    return wrongSetting(words.empty() ? "" : words[0], "tool or turn");
+  c.settings->values.left_turns = words[0] == "turn";
+  c.is_tool_taken = false;
+  return c.settings->save();
+}
+
 constexpr AppCommand kRows[] = {
     {"settings.show", "Edit:2", "Settings...", "Ctrl+,", "[on|off]", "Shows or hides the settings.", when::hasSettings,
      switchPanel<"settings">},
@@ -118,6 +126,9 @@ constexpr AppCommand kRows[] = {
      "Sets the language of the window: en, de, or a file in the languages folder of the settings. marked: puts each "
      "translatable text in «».",
      when::hasSettings, setLanguage},
+    {"settings.left-button", "", "", "", "tool|turn",
+     "Sets the left mouse button: it leads the tool, or turns the view until the tool is taken.", when::hasSettings,
+     setLeftButton},
     {"settings.push", "", "", "", "", "Saves the current push and depth as defaults for later sessions.",
      when::hasSettings, keepPush},
     {"view.theme", "View:6>Window", "Switch light/dark theme", "Ctrl+Shift+L", "[light|dark]",

@@ -48,6 +48,15 @@ Expected<void> colours(AppContext& c, AppWords words) {
   return wrongWord(quoted(words, 0), "tissue, scan, depth or distance");
 }
 
+Expected<void> mapRange(AppContext& c, AppWords words) {
+  KERF_TRY(reach, numberOf(words, 0, "MM", MapScale::kLeast, MapScale::kMost));
+  if (words.size() > 1 && words[1] != "bands" && words[1] != "smooth")
+    return wrongWord("\"" + words[1] + "\"", "bands or smooth");
+  TissueDisplay& tissues = c.bench.views->tissues();
+  tissues.setMapScale({reach, words.size() > 1 ? words[1] == "bands" : tissues.mapScale().has_bands});
+  return {};
+}
+
 template <SurfaceColours kOf>
 Expected<void> coloursOf(AppContext& context, AppWords) {
   return context.bench.views->tissues().setColours(kOf);
@@ -61,6 +70,9 @@ constexpr AppCommand kRows[] = {
      "Colours the surface by tissue, by scan, by depth below the original surface, or by distance to pulp and nerve "
      "canal. A scan with colours starts with them; its cut areas show the tissue.",
      when::isShown, colours},
+    {"view.map-range", "", "", "", "MM [bands|smooth]",
+     "Sets the range of the maps of depth and distance, 0.5 to 5 mm; bands: one colour every 0.5 mm.", when::isShown,
+     mapRange},
     {"view.colours-tissue", "View:4>Colours", "Colour by tissue", "", "", "Colours the surface by tissue.",
      when::isShown, coloursOf<SurfaceColours::kTissue>},
     {"view.colours-scan", "View:4>Colours", "Colour by scan", "", "", "Shows the colours of the scan.", hasScanColours,

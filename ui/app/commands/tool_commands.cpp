@@ -28,7 +28,10 @@ std::size_t toolBeside(const AppContext& c, std::ptrdiff_t step) {
 
 Expected<void> selectTool(AppContext& c, AppWords words) {
   if (words.empty()) return wrongWord("no tool", "its id");
-  if (c.bench.tools->select(words[0])) return {};
+  if (c.bench.tools->select(words[0])) {
+    c.is_tool_taken = true;
+    return {};
+  }
   std::string ids;
   for (std::size_t n = 0; n < c.bench.tools->count(); ++n) ids += (n ? ", " : "") + c.bench.tools->at(n).id;
   return wrongWord("\"" + words[0] + "\"", "one of " + ids);
@@ -66,8 +69,18 @@ Expected<void> previousTool(AppContext& c, AppWords) {
   return {};
 }
 
+bool canTake(const AppContext& c) { return when::isOpen(c) && c.settings && c.settings->values.left_turns; }
+
+Expected<void> take(AppContext& c, AppWords words) {
+  if (!words.empty() && words[0] != "on" && words[0] != "off") return wrongWord("\"" + words[0] + "\"", "on or off");
+  c.is_tool_taken = words.empty() ? !c.is_tool_taken : words[0] == "on";
+  return {};
+}
+
 constexpr AppCommand kRows[] = {
     {"tool.select", "", "", "", "ID", "Chooses a tool.", when::isOpen, selectTool},
+    {"tool.take", "Tool:1", "Take or put down tool", "D", "[on|off]",
+     "While the left button turns the view: gives it to the tool, or back.", canTake, take},
     {"tool.add", "Tool:1", "Add tool...", "", "PATH",
      "Adds a tool file to the rack, or reads it again, and chooses the tool.", when::isIdle, addTool},
     {"tool.next", "Tool:1", "Choose next tool", "]", "", "Chooses the next tool of the rack.", when::isOpen, nextTool},

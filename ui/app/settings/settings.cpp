@@ -86,6 +86,8 @@ const std::vector<Key>& keys() {
        [](const Settings& a, const Settings& b) { return a.language == b.language; }},
       {"file_dialog", [](const Settings& s) { return std::string(s.has_own_dialog ? "\"own\"" : "\"system\""); },
        [](const Settings& a, const Settings& b) { return a.has_own_dialog == b.has_own_dialog; }},
+      {"left_button", [](const Settings& s) { return std::string(s.left_turns ? "\"turn\"" : "\"tool\""); },
+       [](const Settings& a, const Settings& b) { return a.left_turns == b.left_turns; }},
       {"window_width", [](const Settings& s) { return std::to_string(s.window_width); },
        [](const Settings& a, const Settings& b) { return a.window_width == b.window_width; }},
       {"window_height", [](const Settings& s) { return std::to_string(s.window_height); },
@@ -147,6 +149,9 @@ Expected<Settings> readSettings(const fs::path& path) {
   const std::string dialog = table.getOr<std::string>("file_dialog", "system", "\"own\" or \"system\"");
   if (dialog != "own" && dialog != "system") table.reject("file_dialog", "\"" + dialog + "\"", "\"own\" or \"system\"");
   out.has_own_dialog = dialog == "own";
+  const std::string left = table.getOr<std::string>("left_button", "tool", "\"tool\" or \"turn\"");
+  if (left != "tool" && left != "turn") table.reject("left_button", "\"" + left + "\"", "\"tool\" or \"turn\"");
+  out.left_turns = left == "turn";
   const auto size = [&](const char* key) {
     return static_cast<int>(table.numberOr(key, 0, 0, Settings::kWidestWindow, "units"));
   };

@@ -52,6 +52,9 @@ struct Settings {
   static constexpr double kNarrowestColumn = 220, kWidestColumn = 500;
   static constexpr int kWidestWindow = 16384;
 
+  /// left_button = "tool" or "turn": with "turn" it turns the view until the user takes the tool (tool.take).
+  bool left_turns = false;
+
   /// favourite_tools: ids separated by blanks, in the order of choice; first in the rack.
   std::vector<std::string> favourite_tools{};
 

@@ -40,11 +40,15 @@ KeepOutOptions depthReach(double voxel) {
 
 }  // namespace
 
-std::optional<MapLegend> legendOf(SurfaceColours colours) {
-  const std::string reach = phrase("{:g} mm or more", kMapReach);
-  if (colours == SurfaceColours::kDepth) return MapLegend{"Below the original surface", "0 mm", reach};
+double MapScale::shareOf(double mm) const {
+  return std::clamp((has_bands ? kBand * std::floor(mm / kBand) : mm) / reach_mm, 0.0, 1.0);
+}
+
+std::optional<MapLegend> legendOf(SurfaceColours colours, const MapScale& scale) {
+  const std::string reach = phrase("{:g} mm or more", scale.reach_mm);
+  if (colours == SurfaceColours::kDepth) return MapLegend{"Below the original surface", "0 mm", reach, false, scale};
   if (colours != SurfaceColours::kDistance) return {};
-  return MapLegend{"To pulp or nerve canal", "0 mm", reach, true};
+  return MapLegend{"To pulp or nerve canal", "0 mm", reach, true, scale};
 }
 
 Rgba8 mapColour(double share) {
@@ -159,7 +163,7 @@ void TissueDisplay::showAll() {
 }
 
 TissueChoices TissueDisplay::choices() const {
-  TissueChoices out{wanted_colours_, {}};
+  TissueChoices out{wanted_colours_, {}, scale_};
   for (const SeenTissue& tissue : tissues_)
     if (tissue.look != TissueLook::kShow) out.looks.emplace_back(tissue.id, tissue.look);
   return out;
@@ -168,6 +172,7 @@ TissueChoices TissueDisplay::choices() const {
 void TissueDisplay::choose(const TissueChoices& choices) {
   for (const auto& [id, look] : choices.looks) (void)set(id, look);
   (void)setColours(choices.colours);
+  setMapScale(choices.scale);
 }
 
 bool TissueDisplay::areAllShown() const {
@@ -303,6 +308,10 @@ Expected<void> TissueDisplay::setColours(SurfaceColours colours) {
   return {};
 }
 
+void TissueDisplay::setMapScale(const MapScale& scale) {
+  if (std::exchange(scale_, scale) != scale) ++colours_version_;
+}
+
 Expected<void> TissueDisplay::takeDepths() {
   auto depths = std::exchange(measuring_, nullptr)->take();
   if (!depths) return fail(std::move(depths).error());
@@ -314,7 +323,7 @@ Expected<void> TissueDisplay::takeDepths() {
 double TissueDisplay::nearness(const Vec3d& p) const {
   constexpr double kRounding = 1e-4;  // mm
   const double distance = source_->structures->distance(p);
-  return distance >= source_->structures->reach() - kRounding ? 0 : 1 - distance / kMapReach;
+  return distance >= source_->structures->reach() - kRounding ? 0 : 1 - scale_.shareOf(distance);
 }
 
 const std::vector<Rgba8>& TissueDisplay::coloursBeside(const MeshChunk& chunk) const {
@@ -327,7 +336,7 @@ std::vector<Rgba8> TissueDisplay::coloursOf(const MeshChunk& chunk) const {
   out.reserve(chunk.vertices.size());
   for (const Vec3f& p : chunk.vertices) {
     const double share =
-        colours_ == SurfaceColours::kDepth ? depthIn(*depths_, p) / kMapReach : nearness(p.cast<double>());
+        colours_ == SurfaceColours::kDepth ? scale_.shareOf(depthIn(*depths_, p)) : nearness(p.cast<double>());
     Rgba8 colour = mapColour(share);
     colour[3] = kMapGloss;
     out.push_back(colour);

@@ -50,17 +50,31 @@ enum class SurfaceColours {
 /// Map colour: light yellow to dark blue, evenly darker, distinct for colour-blind users.
 /// @param share  0 light to 1 dark; clamped.
 Rgba8 mapColour(double share);
-inline constexpr double kMapReach = 5;  ///< mm: from one end of a map to the other
+inline constexpr double kMapReach = 5;  ///< mm: from one end of a map to the other, by default
+
+/// Range of the maps. With bands the colour changes every half millimetre.
+struct MapScale {
+  double reach_mm = kMapReach;
+  bool has_bands = false;
+  static constexpr double kLeast = 0.5, kMost = kMapReach, kBand = 0.5;  // mm
+  /// Of the reach; with bands that of the beginning of the band.
+  double shareOf(double mm) const;
+  bool operator==(const MapScale&) const = default;
+};
 
 /// Legend of a map.
 struct MapLegend {
   std::string title, low, high;  ///< the quantity; its ends, with the unit
   bool is_dark_first = false;
+  MapScale scale{};
   /// @param share  0 at `low`, 1 at `high`.
-  Rgba8 colourAt(double share) const { return mapColour(is_dark_first ? 1 - share : share); }
+  Rgba8 colourAt(double share) const {
+    const double shown = scale.shareOf(share * scale.reach_mm);
+    return mapColour(is_dark_first ? 1 - shown : shown);
+  }
 };
 /// None: colours without a number.
-std::optional<MapLegend> legendOf(SurfaceColours colours);
+std::optional<MapLegend> legendOf(SurfaceColours colours, const MapScale& scale = {});
 
 /// Surfaces of the tissues that are not hidden, in the frame of their object.
 enum class TissuePart {
@@ -87,6 +101,7 @@ TissueSource tissueSourceOf(const WatchedRun& run);
 struct TissueChoices {
   SurfaceColours colours = SurfaceColours::kTissue;
   std::vector<std::pair<std::string, TissueLook>> looks;  ///< by id, all that are not kShow
+  MapScale scale{};
 };
 
 /// Window thread only.
@@ -142,6 +157,9 @@ class TissueDisplay {
   /// A job measures depth first: 9 s for a molar at 0.05 mm. Error kUnsupported: a distance map without pulp and nerve
   /// canal, colours of a scan without any.
   Expected<void> setColours(SurfaceColours colours);
+  const MapScale& mapScale() const { return scale_; }
+  /// @pre reach_mm from kLeast to kMost.
+  void setMapScale(const MapScale& scale);
   /// Increases when the colours of all chunks change.
   std::uint64_t coloursVersion() const { return colours_version_; }
   /// One per vertex: of the map, of the scan, or the chunk's own.   @cost  30 ns a vertex.
@@ -190,6 +208,7 @@ class TissueDisplay {
   SurfaceColours colours_ = SurfaceColours::kTissue;
   SurfaceColours wanted_colours_ = SurfaceColours::kTissue;  // differs while depths are measured
   std::uint64_t colours_version_ = 0;
+  MapScale scale_;
   Depths depths_;
   std::unique_ptr<Job<Depths>> measuring_;
   std::vector<std::unique_ptr<AnyJob>> ending_;  // cancelled; end by themselves

@@ -261,6 +261,11 @@ std::vector<ExportFinding> ExportPlan::findings() const {
     if (prepared_->parts.size() > 1) out.push_back({false, part.piece + ":"});
     addLines(out, describe(part.report), !part.report.print_ready);
     if (part.is_met) addLines(out, part.verdict(), true);
+    if (part.report.print_ready) {
+      constexpr double kResin = 1.1;  // g/ml: printing resins have 1.05 to 1.2
+      const double ml = 1e-3 * part.report.volume;
+      out.push_back({false, phrase("Volume {:.2f} ml, about {:.1f} g of resin", ml, kResin * ml)});
+    }
   }
   if (!written_) addLines(out, prepared_->summary(), false);  // the text of the written export has it too
   return out;

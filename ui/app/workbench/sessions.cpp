@@ -184,6 +184,7 @@ void Sessions::show(Opened& loaded, const Kept* kept) {
   }
 
   bench_.imports->putAway();
+  debrief_.reset();
   if (bench_.document->watched()) bench_.closing();
   if (kept) {
     loaded.source = kept->source;
@@ -331,15 +332,12 @@ void Sessions::takeEnded(Expected<EndedSession> ended, const fs::path& folder, T
 }
 
 void Sessions::tellEnd(const EndedSession& ended, const fs::path& folder) {
-  bench_.notices->say((ended.report ? resultText(*ended.report, bench_.document->materials()) : "") +
-                      phrase("Session saved: {}\n"
-                             "Export it as a mesh: kerf export {} -o OUT.stl",
-                             folder.string(), folder.string()));
-  for (std::size_t n = 0; n < ended.run->beside.size(); ++n)
-    if (const RunManifest::Beside& other = ended.run->beside[n]; other.removed_mm3 > 0)
-      bench_.notices->say(
-          phrase("{:.4f} mm3 removed from the neighbour {}. Export it: kerf export {} --beside {} -o OUT.stl",
-                 other.removed_mm3, other.name, folder.string(), n + 1));
+  const std::string numbers = ended.report ? resultText(*ended.report, bench_.document->materials()) : "";
+  debrief_ = Debrief{numbers, folder};
+  bench_.notices->say(numbers + phrase("Session saved: {}", folder.string()));
+  for (const RunManifest::Beside& other : ended.run->beside)
+    if (other.removed_mm3 > 0)
+      bench_.notices->say(phrase("{:.4f} mm3 removed from the neighbour {}", other.removed_mm3, other.name));
 }
 
 void Sessions::endNow() {

@@ -35,6 +35,12 @@ struct EndedSession {
   bool hasFailed() const { return failed || (!run && run.error().code != Error::Code::kEmpty); }
 };
 
+/// What the user sees after a session: its numbers and the way back to it.
+struct Debrief {
+  std::string text;
+  std::filesystem::path folder;
+};
+
 /// Window thread only.
 class Sessions final : public Part {
  public:
@@ -60,6 +66,10 @@ class Sessions final : public Part {
   const std::filesystem::path& savedAs() const { return saved_as_; }
   /// Report of the last ended session. None: nothing was cut in it.
   const std::optional<RunReport>& lastResult() const { return last_result_; }
+
+  /// Of the last session that the user ended, until another document opens or the user has read it.
+  const std::optional<Debrief>& debrief() const { return debrief_; }
+  void endDebrief() { debrief_.reset(); }
 
   // ---- For other parts
 
@@ -98,6 +108,7 @@ class Sessions final : public Part {
   Workbench& bench_;
   bool has_written_ = false, has_failed_ = false;  // at the last end of a session
   std::optional<RunReport> last_result_;
+  std::optional<Debrief> debrief_;
   std::filesystem::path saved_as_;
 };
 

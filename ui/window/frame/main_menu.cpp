@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "ui/app/base/language.h"
+#include "ui/app/settings/settings.h"
 #include "ui/window/gl/theme.h"
 #include "ui/window/gl/widgets.h"
 
@@ -63,9 +64,14 @@ struct IconRow {
   const char* command;
   std::vector<Stroke> (*icon)();
 };
-constexpr IconRow kIcons[] = {{"edit.undo", undoIcon},        {"edit.redo", redoIcon},
-                              {"view.fit", fitIcon},          {"view.section", sectionIcon},
-                              {"measure.point", measureIcon}, {"export.show", exportIcon}};
+std::vector<Stroke> toolIcon() {
+  return {{{0.86f, 0.06f}, {0.42f, 0.5f}},
+          {{0.94f, 0.14f}, {0.5f, 0.58f}},
+          {{0.3f, 0.54f}, {0.46f, 0.7f}, {0.2f, 0.9f}, {0.1f, 0.8f}, {0.3f, 0.54f}}};
+}
+constexpr IconRow kIcons[] = {{"tool.take", toolIcon},    {"edit.undo", undoIcon},       {"edit.redo", redoIcon},
+                              {"view.fit", fitIcon},      {"view.section", sectionIcon}, {"measure.point", measureIcon},
+                              {"export.show", exportIcon}};
 
 void drawIcon(AppContext& context, const IconRow& row) {
   const AppCommand& command = *findAppCommand(row.command);
@@ -82,6 +88,8 @@ void drawIcon(AppContext& context, const IconRow& row) {
     ui::setTooltip(ui::asItIs(shownText(command.label) + (command.key.empty() ? "" : "  " + shownKey(command.key))));
     list.AddRectFilled(at, {at.x + side, at.y + side}, ImGui::GetColorU32(ImGuiCol_ButtonHovered), scaled(3));
   }
+  if (row.icon == toolIcon && context.is_tool_taken)
+    list.AddRectFilled(at, {at.x + side, at.y + side}, ImGui::GetColorU32(ImGuiCol_Header), scaled(3));
   const ImU32 ink = ImGui::GetColorU32(is_enabled ? ImGuiCol_Text : ImGuiCol_TextDisabled);
   for (Stroke stroke : row.icon()) {
     for (ImVec2& p : stroke) p = {at.x + inset + (side - 2 * inset) * p.x, at.y + inset + (side - 2 * inset) * p.y};
@@ -93,7 +101,9 @@ void drawIcons(AppContext& context) {
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {scaled(2), 0});
   ImGui::Dummy({scaled(8), 0});
   for (const IconRow& row : kIcons)
-    if (ImGui::GetCursorPosX() + ImGui::GetFrameHeight() < ImGui::GetWindowWidth()) drawIcon(context, row);
+    if ((row.icon != toolIcon || (context.settings && context.settings->values.left_turns)) &&
+        ImGui::GetCursorPosX() + ImGui::GetFrameHeight() < ImGui::GetWindowWidth())
+      drawIcon(context, row);
   ImGui::PopStyleVar();
 }
 

@@ -7,7 +7,6 @@
 #include <imgui.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "ui/window/gl/font.h"
 #include "ui/window/gl/gl_context.h"
@@ -74,17 +73,6 @@ Expected<void> Desktop::open(int width, int height) {
 
 Desktop::Heard& Desktop::heardBy(GLFWwindow* window) { return *static_cast<Heard*>(glfwGetWindowUserPointer(window)); }
 
-// A third press begins anew.
-void Desktop::hearPress(Heard& heard, double s, double x, double y) {
-  constexpr double kSeconds = 0.4, kApart = 6;  // window units
-  const bool is_double =
-      s - heard.pressed_s < kSeconds && std::hypot(x - heard.pressed_x, y - heard.pressed_y) < kApart;
-  heard.is_double |= is_double;
-  heard.pressed_s = is_double ? -1 : s;
-  heard.pressed_x = x;
-  heard.pressed_y = y;
-}
-
 void Desktop::listen() {
   using Kind = InputEvent::Kind;
   glfwSetWindowUserPointer(window_, &heard_);
@@ -92,7 +80,7 @@ void Desktop::listen() {
     InputEvent e{.kind = Kind::kButton, .key = button, .modifiers = modifiers, .is_down = action == GLFW_PRESS};
     glfwGetCursorPos(w, &e.x, &e.y);
     heardBy(w).events.push_back(e);
-    if (button == GLFW_MOUSE_BUTTON_LEFT && e.is_down) hearPress(heardBy(w), glfwGetTime(), e.x, e.y);
+    if (button == GLFW_MOUSE_BUTTON_LEFT && e.is_down) heardBy(w).double_click.press(glfwGetTime(), e.x, e.y);
   });
   glfwSetCursorPosCallback(window_, [](GLFWwindow* w, double x, double y) {
     heardBy(w).events.push_back({.kind = Kind::kMove, .modifiers = heldOf(w), .x = x, .y = y});
@@ -136,7 +124,7 @@ void Desktop::beginFrame() {
   ImGui_ImplGlfw_NewFrame();
   ImGui::NewFrame();
   // Dear ImGui compares the times of frames: in slow ones it misses most double clicks.
-  const bool is_double = std::exchange(heard_.is_double, false);
+  const bool is_double = heard_.double_click.take();
   ImGui::GetIO().MouseDoubleClicked[0] = is_double;
 #if IMGUI_VERSION_NUM >= 18700
   if (is_double) ImGui::GetIO().MouseClickedCount[0] = 2;

@@ -8,6 +8,7 @@
 
 #include "geometry/base/error.h"
 #include "ui/app/settings/settings.h"
+#include "ui/window/gl/double_click.h"
 #include "ui/window/gl/key_trickle.h"
 
 struct GLFWwindow;
@@ -57,13 +58,11 @@ class Desktop {
     std::vector<InputEvent> events;
     KeyTrickle for_panels;
     bool is_damaged = true;
-    double pressed_s = -1, pressed_x = 0, pressed_y = 0;  // of the last press of the left button
-    bool is_double = false;                               // since the last frame
+    DoubleClick double_click;  // of the left button
   };
 
   void listen();
   void listenToKeys();
-  static void hearPress(Heard& heard, double s, double x, double y);
   static Heard& heardBy(GLFWwindow* window);
 
   GLFWwindow* window_ = nullptr;

@@ -54,6 +54,7 @@
 #include "ui/window/main/recent_pictures.h"
 #include "ui/window/panels/export_panel.h"
 #include "ui/window/panels/panels.h"
+#include "ui/window/screens/debrief.h"
 #include "ui/window/screens/file_chooser.h"
 #include "ui/window/screens/palette.h"
 #include "ui/window/screens/quit_question.h"
@@ -361,8 +362,8 @@ class Workshop {
     const bool is_on_handle = panels_.piece_drag.lit().has_value();
     const bool is_picking = bench_.saw->picking.what() != SawPicking::What::kNothing;
     const bool is_on_panel = io.WantCaptureMouse && !is_led_by_device_;
-    const bool hovers =
-        !is_on_panel && held_ == kNone && !is_on_handle && !is_picking && !bench_.imports->isImporting();
+    const bool hovers = !is_on_panel && held_ == kNone && !is_on_handle && !is_picking &&
+                        !bench_.imports->isImporting() && (leftButtonCuts(context_) || is_led_by_device_);
     over_ = hovers ? bench_.strokes->over(rayAtPixel(stroke_.at())) : std::nullopt;
     if (bench_.strokes->isPressed() || bench_.device->isLed() || bench_.saw->isCutting()) over_.reset();
     view_->hover(over_);
@@ -408,7 +409,7 @@ class Workshop {
     if (files_.takesKeys() && (e.key == GLFW_KEY_ENTER || e.key == GLFW_KEY_KP_ENTER)) return files_.accept();
     if (files_.takesKeys() && e.key == GLFW_KEY_ESCAPE) return files_.cancel();
     const bool is_enter = e.key == GLFW_KEY_ENTER || e.key == GLFW_KEY_KP_ENTER;
-    if (e.key == GLFW_KEY_ESCAPE && ui::closeTopmostPopup()) return;
+    if (e.key == GLFW_KEY_ESCAPE && (ui::closeTopmostPopup() || closeDebrief(context_))) return;
     if (is_enter || e.key == GLFW_KEY_ESCAPE)
       if (quitQuestionKey(context_, is_enter) || exportPanelKey(context_, is_enter)) return;
     for (const char* const panel : {"keys", "messages", "about", "settings", "sessions"})
@@ -537,7 +538,8 @@ class Workshop {
     if (e.key == GLFW_MOUSE_BUTTON_RIGHT) right_pressed_ = pointer();
     palette_.hide();
     if (e.key == GLFW_MOUSE_BUTTON_LEFT && panels_.piece_drag.press(context_, pointer())) return;
-    if (e.key != GLFW_MOUSE_BUTTON_LEFT || bench_.imports->isImporting() || !stroke_.press(context_, pointer())) {
+    if (e.key != GLFW_MOUSE_BUTTON_LEFT || bench_.imports->isImporting() || !leftButtonCuts(context_) ||
+        !stroke_.press(context_, pointer())) {
       held_ = e.key;
       pans_ = e.key == GLFW_MOUSE_BUTTON_MIDDLE || (e.modifiers & GLFW_MOD_SHIFT);
       pivot_ = pans_ ? std::nullopt : pointUnder(context_, pointer()[0], pointer()[1]);

@@ -20,7 +20,7 @@ struct WorkshopOptions {
   std::string space_mouse;       ///< path or serial number of the SpaceMouse; empty: the only one
   std::string view = "top";      ///< first view
   int width = 1280, height = 800;
-  bool has_size = false;    ///< the size was asked for; else the one of the last end applies
+  bool has_size = false;    ///< of the command line; else the size at the last end
   int frames = 0;           ///< closes after so many frames, for tests; 0: when the user closes it
   bool tells = false;       ///< also prints messages to the user on standard error
   bool is_watched = false;  ///< draws a script's frames like the window, and prints FrameWatch::summary()

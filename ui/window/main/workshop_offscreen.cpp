@@ -53,7 +53,8 @@ Expected<void> runOffscreen(const WorkshopOptions& options, const Play& play) {
   context.screenshot = [&](const fs::path& png) -> Expected<void> {
     view->update(bench);
     KERF_TRY(image, view->picture(bench, camera, context.width, context.height));
-    if (const auto legend = legendOf(bench.views->tissues().colours())) drawLegend(image, *legend);
+    if (const auto legend = legendOf(bench.views->tissues().colours(), bench.views->tissues().mapScale()))
+      drawLegend(image, *legend);
     return writePng(png, image);
   };
   LiveView& shown = *view;

@@ -61,6 +61,19 @@ bool beginDialog(AppContext& context, const char* title, const char* panel, floa
 
 }  // namespace
 
+void drawLeftButton(AppContext& context) {
+  const bool turns = context.settings->values.left_turns;
+  const auto choose = [&](const char* label, bool is_chosen, const char* word) {
+    if (ui::radioButton(label, is_chosen) && !is_chosen)
+      runIfEnabled(context, "settings.left-button", std::vector<std::string>{word});
+  };
+  ImGui::PushTextWrapPos(0);
+  ui::textColored(styleColours().quiet, "Left mouse button:");
+  ImGui::PopTextWrapPos();
+  choose("leads the tool", !turns, "tool");
+  choose("turns view (D: tool)", turns, "turn");
+}
+
 void drawTour(AppContext& context, std::size_t& step) {
   if (!context.settings || context.settings->values.are_hints_dismissed) return;
   const FrameArea free = frameLayout(context).free;
@@ -77,6 +90,7 @@ void drawTour(AppContext& context, std::size_t& step) {
                   ui::asItIs(phrase("{} of {}: {}", step + 1, kTour.size(), shownText(now.title))));
   ImGui::PopTextWrapPos();
   drawLines(now);
+  if (step == 0) drawLeftButton(context);
   const bool is_last = step + 1 == kTour.size();
   if (is_last ? ui::button("Got it###next-step") : ui::button("Next###next-step"))
     is_last ? endTour(context, step) : void(++step);

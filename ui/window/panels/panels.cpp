@@ -25,6 +25,7 @@
 #include "ui/window/panels/replay_panel.h"
 #include "ui/window/panels/settings_panel.h"
 #include "ui/window/panels/tissues_panel.h"
+#include "ui/window/screens/debrief.h"
 #include "ui/window/screens/quit_question.h"
 #include "ui/window/screens/scale_bar.h"
 
@@ -60,6 +61,7 @@ constexpr auto kOwn = PanelPlace::kOwn, kLeft = PanelPlace::kLeft, kRight = Pane
 constexpr Panel kPanels[] = {
     {"menu", "", Screen::kAny, kOwn, [](PanelFrame& f) { drawMainMenu(f.context, f.state.ask_for_file); }},
     {"first", "", Screen::kFirst, kOwn, [](PanelFrame& f) { f.state.first.draw(f.context, f.state.ask_for_file); }},
+    {"debrief", "", Screen::kFirst, kOwn, [](PanelFrame& f) { drawDebrief(f.context); }},
     {"import", "", Screen::kImport, kOwn, [](PanelFrame& f) { drawImportPanel(f.context, f.state.import); }},
     {"tools", "Tool", Screen::kCut, kLeft, [](PanelFrame& f) { drawTools(f.context, f.state.tools); }},
     {"replay", "Replay", Screen::kReplay, kRight, drawReplayMoment},

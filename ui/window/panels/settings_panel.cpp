@@ -15,6 +15,7 @@
 #include "ui/window/frame/frame_layout.h"
 #include "ui/window/gl/theme.h"
 #include "ui/window/gl/widgets.h"
+#include "ui/window/panels/help_panel.h"
 
 namespace kerf {
 namespace {
@@ -91,6 +92,7 @@ void drawSettings(AppContext& context) {
   if (ui::button("-##smaller", {scaled(36), 0})) (void)runAppCommand(context, "view.smaller");
   ImGui::SameLine();
   if (ui::button("+##larger", {scaled(36), 0})) (void)runAppCommand(context, "view.larger");
+  drawLeftButton(context);
   bool has_hints = !values.are_hints_dismissed;
   if (ui::checkbox("Show mouse hints", &has_hints)) {
     values.are_hints_dismissed = !has_hints;

@@ -1,5 +1,6 @@
 #include "ui/window/panels/tissues_panel.h"
 
+#include <fmt/format.h>
 #include <imgui.h>
 
 #include <algorithm>
@@ -93,9 +94,20 @@ void drawTissueColours(AppContext& context) {
 }
 
 // From 0 at the left to the reach of the map, in the colours of the surface.
-void drawLegend(SurfaceColours colours) {
-  const std::optional<MapLegend> legend = legendOf(colours);
+void drawLegend(AppContext& context) {
+  const TissueDisplay& tissues = context.bench.views->tissues();
+  const MapScale& scale = tissues.mapScale();
+  const std::optional<MapLegend> legend = legendOf(tissues.colours(), scale);
   if (!legend) return;
+  const auto set = [&context](double reach, bool has_bands) {
+    runTissues(context, "view.map-range", {fmt::format("{:.1f}", reach), has_bands ? "bands" : "smooth"});
+  };
+  auto reach = static_cast<float>(scale.reach_mm);
+  ImGui::SetNextItemWidth(-1);
+  if (ui::sliderFloat("##reach", &reach, static_cast<float>(MapScale::kLeast), static_cast<float>(MapScale::kMost),
+                      "range %.1f mm", ImGuiSliderFlags_AlwaysClamp))
+    set(static_cast<double>(reach), scale.has_bands);
+  if (bool has_bands = scale.has_bands; ui::checkbox("Bands of 0.5 mm", &has_bands)) set(scale.reach_mm, has_bands);
   ui::textColored(styleColours().quiet, legend->title);
   const ImVec2 from = ImGui::GetCursorScreenPos();
   const float width = ImGui::GetContentRegionAvail().x, height = scaled(kLegendHeight);
@@ -124,7 +136,7 @@ void drawTissues(AppContext& context) {
   if (tissues.all().size() > 1)
     for (const SeenTissue& tissue : tissues.all()) drawTissueRow(context, tissue);
   drawTissueColours(context);
-  drawLegend(tissues.colours());
+  drawLegend(context);
   if (tissues.isBusy()) ui::textColored(styleColours().quiet, "working...");
 }
 
