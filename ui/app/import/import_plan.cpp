@@ -207,12 +207,14 @@ std::size_t ImportPlan::rimCount() const {
 }
 
 Prediction ImportPlan::prediction() const {
-  constexpr double kWithBase = 1.35, kSecondsPerTriangle = 3e-6;  // estimates before the preview
+  // Estimates before the preview. Seconds: of an arch of 10 000 to 640 000 triangles, and of closed teeth.
+  constexpr double kWithBase = 1.35, kSecondsOfOpen = 3.5e-5, kSecondsOfClosed = 1e-5;
   const double scale = unit().scale_to_mm;
   const double area =
       preview() ? preview()->area_mm2 : found_.check.area * scale * scale * (isWithoutUnderside() ? kWithBase : 1);
-  const double closing =
-      previewSeconds() > 0 ? previewSeconds() : kSecondsPerTriangle * static_cast<double>(found_.check.triangles);
+  const double closing = previewSeconds() > 0 ? previewSeconds()
+                                              : (found_.check.isClosed() ? kSecondsOfClosed : kSecondsOfOpen) *
+                                                    static_cast<double>(found_.check.triangles);
   return predict(area, voxel(), closing + found_.seconds);
 }
 
