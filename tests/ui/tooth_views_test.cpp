@@ -134,6 +134,18 @@ class ViewsOfAnArch : public testing::Test {
   }
 };
 
+TEST_F(ViewsOfAnArch, TheFrontIsThatOfTheIncisorsHoweverTheScanLies) {
+  ASSERT_TRUE(bench_.document->occlusal().arch);
+  const Vec3d front = bench_.document->occlusal().arch->front;
+  for (const double turn : {0.0, 0.5, 1.0, 1.5}) {
+    camera_.upright = Eigen::AngleAxisd(turn * std::numbers::pi, Vec3d::UnitZ()).toRotationMatrix();
+    ASSERT_TRUE(runAppCommand(context_, "view.front"));
+    EXPECT_GT(camera_.backwards().dot(front), 0.99) << turn;
+    ASSERT_TRUE(runAppCommand(context_, "view.back"));
+    EXPECT_LT(camera_.backwards().dot(front), -0.99) << turn;
+  }
+}
+
 TEST_F(ViewsOfAnArch, EachSideOfAMolarAndOfAnIncisorIsSeenFromWhereItFaces) {
   ASSERT_TRUE(bench_.document->occlusal().arch);
   const Vec3d left_molar(20.5, 26, 0), right_molar(-20.5, 26, 0), incisor(2.5, 0.8, 0);

@@ -44,10 +44,22 @@ Expected<void> fit(AppContext& c, AppWords) {
   return {};
 }
 
+// The front of a full arch is that of its incisors, from any side but above and below.   rad; 0 without an arch.
+double azimuthOfFront(const AppContext& c, const Camera& named) {
+  constexpr double kSteep = 1.5;  // rad
+  const auto& arch = c.bench.document->occlusal().arch;
+  if (!arch || c.bench.imports->isImporting() || std::abs(named.elevation) > kSteep) return 0;
+  const Vec3d front = c.camera.upright * arch->front;
+  return std::hypot(front.x(), front.y()) > 0.5 ? std::atan2(front.x(), -front.y()) : 0;
+}
+
 Expected<void> view(AppContext& c, AppWords words) {
   if (words.empty()) return wrongWord("no view", "its name");
   KERF_TRY(named, cameraFromView(words[0]));
   named.upright = c.camera.upright;
+  const auto& views = namedViews();
+  if (std::any_of(views.begin(), views.end(), [&](const NamedView& v) { return v.name == words[0]; }))
+    named.azimuth = std::remainder(named.azimuth + azimuthOfFront(c, named), 2 * std::numbers::pi);
   named.field_of_view = c.camera.field_of_view;
   c.camera = named;
   return fit(c, {});
@@ -135,8 +147,8 @@ Expected<void> namedView(AppContext& context, AppWords) {
 
 constexpr AppCommand kRows[] = {
     {"view.fit", "View:1", "Fit", "F", "", "Shows the whole object.", hasBox, fit},
-    {"view.front", "View:2>Directions", "Front", "1", "", "Looks along +y, where +z is up.", when::always,
-     namedView<0>},
+    {"view.front", "View:2>Directions", "Front", "1", "",
+     "Looks at the incisors of a full arch, else along +y, where +z is up.", when::always, namedView<0>},
     {"view.back", "View:2>Directions", "Back", "2", "", "Looks along -y.", when::always, namedView<1>},
     {"view.left", "View:2>Directions", "Left", "3", "", "Looks along +x.", when::always, namedView<2>},
     {"view.right", "View:2>Directions", "Right", "4", "", "Looks along -x.", when::always, namedView<3>},

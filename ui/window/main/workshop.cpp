@@ -273,7 +273,7 @@ class Workshop {
                            bench_.document->run()->model().tools[n].drive, volume);
     }
     sound_->play(heard);
-    if (const auto error = sound_->takeError()) bench_.notices->say(phrase("No drill sound: {}", error->found));
+    if (const auto error = sound_->takeError()) bench_.notices->say(phrase("No drill sound: no sound device opens. {}", error->found));
   }
 
   // Theme and scale, if they have changed.
