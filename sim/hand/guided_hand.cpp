@@ -159,18 +159,19 @@ void GuidedHand::followWay() noexcept {
     ++now_.tries;
     recoil_ = kDrawsBack;
   }
+  const double past = cuts ? cut_.past : kPast;
   double rate;
   if (recoil_ > 0) {
     recoil_ -= kTick;
     wanted_ = 0;
     rate = std::max(kGuideGives * -resists, -kGuideLetsGo) - kBackSpeed;
   } else {
-    const double most = std::min(cuts ? cut_.force : kCarryForce, stiffness_ * (left + kPast));
+    const double most = std::min(cuts ? cut_.force : kCarryForce, stiffness_ * (left + past));
     wanted_ = std::clamp(wanted_ + kGovern * (feedOf(left, resists) - speed_) * kTick, 0.0, most);
     rate = std::clamp(kGuideGives * (wanted_ - resists), -kGuideLetsGo, cuts ? kFastest : kCarried);
   }
   still_ += std::abs(kTick * rate);
-  h_ = std::min(h_ + kTick * rate, length_ + kPast);
+  h_ = std::min(h_ + kTick * rate, length_ + past);
   leanAgainst();
 }
 

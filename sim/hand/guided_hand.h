@@ -7,7 +7,7 @@
 // that push the tool off its line and torques that turn it out of its plane.
 //
 //   tool       x = h - felt / K                         h: the hand along the way, K: of the coupling
-//   push       F' = kGovern (feed - x'), 0 to the force, at most K (left + kPast)
+//   push       F' = kGovern (feed - x'), 0 to the force, at most K (left + past)
 //   hand       h' = kGives (F - felt), at most kFastest, back at most kLetsGo
 //   beside     a' = -kLean (tool - line), at most kMostAside; the attitude: ToolLean
 //
@@ -42,6 +42,8 @@ struct GuidedCut {
   double force = 4;       ///< N, at most: 0.1 to 8
   double feed = 1;        ///< mm/s, in tissue
   double irrigation = 1;  ///< 0 to 1
+  /// mm that the hand may stand beyond the end of a way that cuts. A drill needs its thrust to the end.
+  double past = 0.3;
 };
 
 enum class GuidedStage : std::uint8_t {
@@ -65,7 +67,7 @@ class GuidedHand final : public DeviceSource {
  public:
   static constexpr double kThroughAir = 5;  ///< mm/s, on a way that cuts, without contact
   static constexpr double kCarried = 15;    ///< mm/s, on other ways
-  static constexpr double kPast = 0.3;      ///< mm that the hand may stand beyond the end of a way
+  static constexpr double kPast = 0.3;      ///< mm that the hand may stand beyond the end of other ways
   static constexpr double kMostAside = 3;   ///< mm that it leans sideways
   static constexpr int kMostTries = 6;      ///< at the same place
 

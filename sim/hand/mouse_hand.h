@@ -62,6 +62,8 @@ struct MouseAim {
   /// For a tilted tool: sideways motion for each mm of depth, square to the axis, at most kMostSlant. Zero: it plunges
   /// along the axis.
   Vec3d slant = Vec3d::Zero();
+  /// The hand turns against torques, as for a tilted tool.
+  bool is_attitude_held = false;
   /// Normal of a cutting guide's plane, from where the tool was placed: unit, square to the axis. The pointer then
   /// moves the tool within that plane alone, and no force turns it out of it. Zero: no guide.
   Vec3d guide = Vec3d::Zero();
@@ -119,7 +121,7 @@ class MouseHand final : public DeviceSource {
   void holdBackFromKept(const Vec3d& towards) noexcept;
   Vec3d front() const noexcept { return pose_.translation + front_; }
   bool isTilted() const noexcept { return !aim_.slant.isZero(0); }
-  bool isHeldInAttitude() const noexcept { return isTilted() || !aim_.guide.isZero(0); }
+  bool isHeldInAttitude() const noexcept { return isTilted() || aim_.is_attitude_held || !aim_.guide.isZero(0); }
   Vec3d givesWay() const noexcept;
 
   std::shared_ptr<const BrickField> surface_;

@@ -49,6 +49,9 @@ std::span<const AppCommand> table();
 namespace neighbour_commands {
 std::span<const AppCommand> table();
 }
+namespace drill_commands {
+std::span<const AppCommand> table();
+}
 namespace saw_commands {
 std::span<const AppCommand> table();
 }

@@ -5,7 +5,9 @@
 
 #include "ui/app/base/command_words.h"
 #include "ui/app/commands/pointing.h"
+#include "ui/app/document/document.h"
 #include "ui/app/workbench/strokes.h"
+#include "ui/app/workbench/tools.h"
 
 namespace kerf::stroke_commands {
 namespace {
@@ -25,6 +27,35 @@ Expected<void> tilt(AppContext& c, AppWords words) {
 
 Expected<void> resetTilt(AppContext& c, AppWords) {
   c.bench.strokes->tilt = {};
+  return {};
+}
+
+// Out of the tissue: of the tool under the cursor, else of the last stroke.
+Vec3d toolAxis(const AppContext& c) {
+  const Vec3d into = c.bench.tools->held().plunge_direction;
+  if (c.pointer && !c.bench.strokes->heldAxis())
+    if (const auto over =
+            c.bench.strokes->over(rayUnder(c.camera, (*c.pointer)[0], (*c.pointer)[1], c.width, c.height)))
+      return -(over->T_world_tool.rotation * into);
+  return -(c.bench.document->report().output.T_world_tool.rotation * into);
+}
+
+Expected<void> holdAxis(AppContext& c, AppWords words) {
+  Strokes& strokes = *c.bench.strokes;
+  const std::string from = !words.empty() ? words[0] : strokes.heldAxis() ? "off" : "tool";
+  if (from == "off") {
+    strokes.holdAxis(std::nullopt);
+  } else if (from == "tool") {
+    strokes.holdAxis(toolAxis(c));
+  } else if (from == "view") {
+    strokes.holdAxis(c.camera.backwards());
+  } else if (from == "occlusal") {
+    const auto& normal = c.bench.document->occlusal().normal;
+    if (!normal) return wrongWord("a model without an occlusal plane", "tool or view");
+    strokes.holdAxis(*normal);
+  } else {
+    return wrongWord("\"" + from + "\"", "tool, view, occlusal or off");
+  }
   return {};
 }
 
@@ -146,6 +177,10 @@ constexpr AppCommand kRows[] = {
      "up (default: the last azimuth, or up).",
      when::always, tilt},
     {"tool.tilt-reset", "Tool:1", "Reset tilt", "", "", "Sets the tool square to the surface.", isTilted, resetTilt},
+    {"tool.hold-axis", "Tool:1", "Hold axis", "A", "[tool|view|occlusal|off]",
+     "Keeps the tool's axis for all strokes, as of a path of insertion: the present one of the tool (default), of the "
+     "view, or of the occlusal plane. Without a word the key holds and releases it.",
+     when::isOpen, holdAxis},
     {"cut.force", "", "", "", "NEWTONS", "Sets the push force of a pressed button, 0.1 to 8 N.", when::always,
      setForce},
     {"cut.depth", "", "", "", "MM",

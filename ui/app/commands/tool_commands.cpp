@@ -9,6 +9,7 @@
 #include "ui/app/document/document.h"
 #include "ui/app/readout/tool_rack.h"
 #include "ui/app/settings/settings.h"
+#include "ui/app/workbench/sessions.h"
 #include "ui/app/workbench/strokes.h"
 #include "ui/app/workbench/tools.h"
 
@@ -77,9 +78,16 @@ Expected<void> take(AppContext& c, AppWords words) {
   return {};
 }
 
+bool hasFiner(const AppContext& c) { return when::isOpenAndIdle(c) && c.bench.tools->finerVoxels().has_value(); }
+
+Expected<void> finerVoxels(AppContext& c, AppWords) {
+  c.bench.sessions->prepareFiner(c.bench.tools->finerVoxels()->mm);
+  return {};
+}
+
 constexpr AppCommand kRows[] = {
     {"tool.select", "", "", "", "ID", "Chooses a tool.", when::isOpen, selectTool},
-    {"tool.take", "Tool:1", "Take or put down tool", "D", "[on|off]",
+    {"tool.take", "Tool:1", "Take or put down tool", "E", "[on|off]",
      "While the left button turns the view: gives it to the tool, or back.", canTake, take},
     {"tool.add", "Tool:1", "Add tool...", "", "PATH",
      "Adds a tool file to the rack, or reads it again, and chooses the tool.", when::isIdle, addTool},
@@ -89,6 +97,9 @@ constexpr AppCommand kRows[] = {
     {"tool.favourite", "Tool:1", "Toggle favourite", "", "[ID]",
      "Adds a tool to the favourites at the top of the rack, or removes it (default: the current tool).", hasRack,
      favourite},
+    {"tool.finer-voxels", "Tool:1", "Prepare with finer voxels", "", "",
+     "Prepares the open scan again with voxels of 0.1 mm for a bur under 2 mm, without the cuts. The session is kept.",
+     hasFiner, finerVoxels},
 };
 
 }  // namespace

@@ -58,6 +58,7 @@ void Document::open(Opened loaded, Hands hands, Opening how) {
   name_ = std::move(loaded.name);
   source_ = std::move(loaded.source);
   occlusal_ = loaded.occlusal;
+  if (how == Opening::kNew) prepared_ = std::move(loaded.prepared);
   session_ = run_->folder();
   scene_.setLabels(run_->labels());
   keeps_view_ = how == Opening::kReopened;

@@ -56,6 +56,8 @@ class Document final : public Part {
   /// The opened scan, recipe, case or run, never written to. It stays until another document is open.
   const std::filesystem::path& source() const { return source_; }
   const std::vector<std::filesystem::path>& sourcesBeside() const { return sources_beside_; }
+  /// Choices with which its source was prepared. None: a case or a session was opened.
+  const std::optional<PrepareOptions>& prepared() const { return prepared_; }
   const std::filesystem::path& sessionFolder() const { return session_; }
   /// Best view direction of a scan of several teeth, and the dental arch, in the scan's frame; each may be missing.
   const OcclusalSide& occlusal() const { return occlusal_; }
@@ -117,6 +119,7 @@ class Document final : public Part {
   std::string name_;
   std::filesystem::path source_, session_;
   std::vector<std::filesystem::path> sources_beside_;
+  std::optional<PrepareOptions> prepared_;
   OcclusalSide occlusal_;
   Hands hands_;  // outlives run_
   std::unique_ptr<LiveRun> run_;

@@ -358,6 +358,7 @@ Expected<Opened> openToCut(const fs::path& path, const OpeningOptions& options, 
     KERF_TRY(prepared, prepare(path, options, partOf(progress, 0, options.beside.empty() ? 0.7 : 0.4)));
     case_folder = prepared.case_folder;
     out.notes = std::move(prepared.notes);
+    out.prepared = options.prepare;
   }
 
   KERF_TRY(manifest, readCaseManifest(case_folder));

@@ -95,7 +95,9 @@ struct Opened {
   std::vector<std::string> notes;  ///< sentences: changes by preparation, the unit and its reason, the voxel size
   std::string name;                ///< of the file, without its ending
   std::filesystem::path source;    ///< the opened file: never written to
-  OcclusalSide occlusal;           ///< of its solid
+  std::optional<PrepareOptions> prepared;             ///< of a source that was prepared; none: a case or a session
+  std::filesystem::path tool;                         ///< to take in hand; empty: the first of the rack
+  OcclusalSide occlusal;                              ///< of its solid
   std::shared_ptr<const Structures> structures;       ///< of the case: pulp, nerve canals
   NeighbourFields neighbours;                         ///< of run->neighbours()
   std::vector<std::filesystem::path> sources_beside;  ///< files of the neighbours: never written to

@@ -21,6 +21,7 @@ Stroke::Stroke(const BrickField& loaded, const ToolOverSurface& at, const Mesh& 
       reach_(at.reach),
       front_(at.front),
       slant_(at.slant),
+      is_held_(at.is_held),
       start_{at.T_world_tool.rotation, anchor_ + (kAbove + reach_) * axis_ - front_} {
   const auto isFree = [&] {
     const Rigid3 tool = to_object_ * start_;
@@ -40,6 +41,7 @@ void Stroke::begin(MouseAim& aim) const {
   aim.reach = reach_;
   aim.front = front_;
   aim.slant = slant_;
+  aim.is_attitude_held = is_held_;
 }
 
 Vec3d Stroke::pointerOf(const Ray& ray) const {

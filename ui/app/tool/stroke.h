@@ -36,6 +36,7 @@ class Stroke {
   Vec3d anchor_, axis_;                // world
   double reach_;
   Vec3d front_, slant_;
+  bool is_held_;
   Rigid3 start_;
 };
 

@@ -49,11 +49,11 @@ TouchPoints::TouchPoints(const Tool& tool) {
     if (v[2] <= box.max[2]) points_.push_back(v);
 }
 
-Vec3d TouchPoints::farthest(const Vec3d& direction) const {
+Vec3d TouchPoints::farthest(const Vec3d& direction, double up_to) const {
   Vec3d out = Vec3d::Zero();
   double most = -1e300;
   const auto take = [&](const Vec3d& p) {
-    if (p.dot(direction) <= most) return;
+    if (p[2] > up_to || p.dot(direction) <= most) return;
     most = p.dot(direction);
     out = p;
   };
@@ -65,18 +65,39 @@ Vec3d TouchPoints::farthest(const Vec3d& direction) const {
   return out;
 }
 
-void tiltTool(ToolOverSurface& over, const Tilt& tilt, const TouchPoints& touch) {
-  if (tilt.isUpright()) return;
+namespace {
+
+// Turns the tool about its contact point, from the normal to an axis.
+void turnTool(ToolOverSurface& over, const Vec3d& axis, const TouchPoints& touch, double up_to) {
   const Vec3d& normal = over.normal;
-  const Vec3d axis = tiltedAxis(tilt, normal);
   const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(normal, axis);
   const Eigen::Quaterniond attitude = (turn * over.T_world_tool.rotation).normalized();
-  const Vec3d touches = attitude * touch.farthest(attitude.conjugate() * -normal);
+  const Vec3d touches = attitude * touch.farthest(attitude.conjugate() * -normal, up_to);
 
   over.T_world_tool = {attitude, over.point - touches};
   over.reach = -normal.dot(touches);
   over.front = touches + over.reach * normal;
-  over.slant = normal - axis / normal.dot(axis);
+}
+
+}  // namespace
+
+void tiltTool(ToolOverSurface& over, const Tilt& tilt, const TouchPoints& touch) {
+  if (tilt.isUpright()) return;
+  const Vec3d axis = tiltedAxis(tilt, over.normal);
+  turnTool(over, axis, touch, std::numeric_limits<double>::infinity());
+  over.slant = over.normal - axis / over.normal.dot(axis);
+}
+
+bool holdTool(ToolOverSurface& over, const Vec3d& axis, const TouchPoints& touch) {
+  constexpr double kAlong = 0.5, kMostUndercut = -0.574;  // cosines of 60 and 125 degrees
+  constexpr double kEnd = 0.5;                            // mm of the tool's end that may touch a wall
+  const double cosine = over.normal.dot(axis);
+  if (cosine < kMostUndercut) return false;
+  const bool is_wall = cosine < kAlong;
+  turnTool(over, axis, touch, is_wall ? kEnd : std::numeric_limits<double>::infinity());
+  if (!is_wall) over.slant = over.normal - axis / cosine;
+  over.is_held = true;
+  return true;
 }
 
 }  // namespace kerf

@@ -7,6 +7,7 @@
 // depth below the surface as loaded. From its contact, the tool goes in along its own axis.
 #pragma once
 
+#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -39,8 +40,10 @@ class TouchPoints {
   /// Uses the outline of a tool of revolution, within 0.05 um; the vertices of a mesh; the box about a blade's teeth
   /// and their stroke.
   explicit TouchPoints(const Tool& tool);
-  /// @param direction  unit, tool frame: into the surface.   @return  tool frame, mm.
-  Vec3d farthest(const Vec3d& direction) const;
+  /// @param direction  unit, tool frame: into the surface.   @param up_to  counts points up to this height above the
+  /// tip
+  ///   only, mm.   @return  tool frame, mm.
+  Vec3d farthest(const Vec3d& direction, double up_to = std::numeric_limits<double>::infinity()) const;
 
  private:
   std::vector<RevolvedProfile::Point> outline_;  // of a tool of revolution
@@ -49,5 +52,10 @@ class TouchPoints {
 
 /// Tilts a tool that stands on a surface (toolOver()) about its contact point. An upright tilt changes nothing.
 void tiltTool(ToolOverSurface& over, const Tilt& tilt, const TouchPoints& touch);
+
+/// The same for a held axis (unit, out of the tissue), as of a path of insertion. On a wall steeper than 60 degrees to
+/// it the tool's end touches with its side, and the tool goes in along the normal.
+/// @return  false: an undercut by more than 35 degrees. The tool stays upright.
+bool holdTool(ToolOverSurface& over, const Vec3d& axis, const TouchPoints& touch);
 
 }  // namespace kerf

@@ -21,6 +21,7 @@ struct ToolOverSurface {
   Vec3d front = Vec3d::Zero();    ///< from the tip to the contact, square to the normal, mm: of a guided blade and of a
                                   ///< tilted tool
   Vec3d slant = Vec3d::Zero();    ///< of a tilted tool: MouseAim::slant
+  bool is_held = false;           ///< its axis is held: MouseAim::is_attitude_held
 };
 
 /// Direction and extent of a plunge, tool frame.

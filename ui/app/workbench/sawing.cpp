@@ -12,6 +12,7 @@
 #include "ui/app/document/document.h"
 #include "ui/app/saw/plane_words.h"
 #include "ui/app/saw/saw_section.h"
+#include "ui/app/workbench/drilling.h"
 #include "ui/app/workbench/scene_pieces.h"
 #include "ui/app/workbench/steps.h"
 #include "ui/app/workbench/strokes.h"
@@ -292,7 +293,7 @@ Expected<void> Sawing::cut(double force_n) {
   KERF_CHECK(requireOpen());
   KERF_CHECK(requireUnmoved());
   KERF_TRY(plane, chosen());
-  if (cutting_)
+  if (isCutting())
     return refuse(Error::Code::kUnsupported, "a planned cut is running", "one at a time", "wait for it, or saw.stop");
   if (bench_.strokes->isPressed() || bench_.steps->undosLeft() != 0)
     return refuse(Error::Code::kUnsupported, "the tool is in use", "a tool at rest", "release the button first");
@@ -325,7 +326,7 @@ Expected<void> Sawing::cut(double force_n) {
   for (SawPass& pass : passes) pass.from = std::min(pass.from, firstTissue(plane, *blade, bone, pass, above));
 
   GuidedCut order;
-  order.id = ++cuts_;
+  order.id = nextOrder();
   order.is_wanted = true;
   order.start = start;
   order.back = -plane.approach;
@@ -379,7 +380,7 @@ Expected<void> Sawing::addOcclusal(double above_mm) {
 Expected<void> Sawing::cutAtOnce(PlaneKeep keep, double kerf_mm) {
   KERF_CHECK(requireOpen());
   KERF_TRY(plane, chosen());
-  if (cutting_ || at_once_ || bench_.strokes->isPressed() || bench_.steps->undosLeft() != 0)
+  if (isCutting() || at_once_ || bench_.strokes->isPressed() || bench_.steps->undosLeft() != 0)
     return refuse(Error::Code::kUnsupported, "the tool is in use", "a tool at rest", "release the button first");
 
   const auto planeIn = [&](const SceneObject& piece) {
@@ -435,8 +436,10 @@ void Sawing::reportAtOnce() {
   at_once_.reset();
 }
 
+bool Sawing::isCutting() const { return cutting_ || bench_.drill->isDrilling(); }
+
 bool Sawing::isBusy() {
-  if (!cutting_) return false;
+  if (!isCutting()) return false;
   bench_.notices->complain({.code = Error::Code::kUnsupported,
                             .found = "a planned cut is running",
                             .expected = "a tool at rest",
@@ -445,6 +448,7 @@ bool Sawing::isBusy() {
 }
 
 void Sawing::stop() {
+  bench_.drill->stop();
   if (!cutting_ || !cutting_->order.is_wanted) return;
   cutting_->order.is_wanted = false;
   bench_.document->hands().guided->order(cutting_->order);
@@ -452,6 +456,7 @@ void Sawing::stop() {
 
 // Undo waits: tissue would come back around a blade that is still in it.
 void Sawing::stopAndUndo() {
+  if (bench_.drill->isDrilling()) return bench_.drill->stopAndUndo();
   stop();
   if (cutting_) cutting_->is_undone_after = true;
 }

@@ -92,11 +92,12 @@ class Sawing final : public Part {
   /// Errors: kEmpty without a plane or without bone in it; kUnsupported if the tool is no saw, a piece was moved, or
   /// another cut or undo is under way; kGeometry if the blade has no room above the bone.
   Expected<void> cut(double force_n);
-  /// Stops the cut early: draws the blade out. The sawn part stays, as one stroke.
+  /// Stops the cut early: draws the blade or the drill out. The sawn part stays, as one stroke.
   void stop();
   /// As stop(), and undoes the cut once the blade is out.
   void stopAndUndo();
-  bool isCutting() const { return cutting_ != nullptr; }
+  /// A planned cut or a hole (drilling.h) is under way.
+  bool isCutting() const;
   /// As isCutting(), and says so in a notice.
   bool isBusy();
   std::optional<SawingStatus> status() const;
@@ -104,6 +105,9 @@ class Sawing final : public Part {
   double lastShare() const { return last_share_; }
   /// Takes the reports of the cut.
   void update() override;
+
+  /// For GuidedCut::id.
+  std::uint64_t nextOrder() { return ++cuts_; }
 
   // ---- Cutting at once
 

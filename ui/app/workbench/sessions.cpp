@@ -127,6 +127,20 @@ void Sessions::openAll(const std::vector<fs::path>& paths) {
          });
 }
 
+void Sessions::prepareFiner(double voxel_mm) {
+  if (!bench_.tools->finerVoxels()) return;
+  OpeningOptions options = openingOptions();
+  options.prepare = *bench_.document->prepared();
+  options.prepare.voxel_mm = voxel_mm;
+  const fs::path tool = bench_.document->run()->tools()[bench_.tools->inHand()].file;
+  openBy(phrase("preparing {} with voxels of {:g} mm", bench_.document->source().filename().string(), voxel_mm),
+         [source = bench_.document->source(), options, tool](const Progress& progress) -> Expected<Opened> {
+           KERF_TRY(opened, openToCut(source, options, progress));
+           opened.tool = tool;
+           return std::move(opened);
+         });
+}
+
 OpeningOptions Sessions::openingOptions() const {
   const WorkbenchOptions& options = bench_.options();
   OpeningOptions out{options.data_folder,
@@ -192,6 +206,7 @@ void Sessions::show(Opened& loaded, const Kept* kept) {
     loaded.sources_beside = kept->sources_beside;
   }
   const std::vector<std::string> notes = std::move(loaded.notes);
+  const fs::path tool = loaded.tool;
   const Opening how = kept ? Opening::kReopened : Opening::kNew;
   bench_.document->open(std::move(loaded), std::move(hands), how);
   const LiveRun& run = *bench_.document->run();
@@ -206,6 +221,7 @@ void Sessions::show(Opened& loaded, const Kept* kept) {
   if (!kept) saved_as_ = isSessionFile(bench_.document->source()) ? bench_.document->source() : fs::path();
   bench_.opened(how);
   for (const std::string& note : notes) bench_.notices->say(note);
+  if (!tool.empty()) bench_.tools->selectFile(tool);
   if (kept)
     restore(*kept);
   else

@@ -57,6 +57,9 @@ class Sessions final : public Part {
   /// the default remedies, a recipe or a case. Tools among them go into the rack. A single file: as Imports::begin().
   /// To let the user decide first: Imports::beginAll().
   void openAll(const std::vector<std::filesystem::path>& paths);
+  /// Prepares the scan of the open document again with smaller voxels and opens it in place of the session, without its
+  /// cuts. The session stays in the list. A job. Without Tools::finerVoxels(): no effect.
+  void prepareFiner(double voxel_mm);
   /// Ends the session and writes the run to Document::sessionFolder(). A job.
   void close();
   /// Writes the present state of the session to one file, NAME.kerf, while it goes on (saveSession()). A job. Replaces

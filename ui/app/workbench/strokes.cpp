@@ -23,11 +23,16 @@ void Strokes::opened(Opening how) {
   pointed_.reset();
   is_on_pedal_ = is_reversed_ = false;
   if (how == Opening::kReopened) return;
-  tilt = {};  // the tilt belonged to the other scan
+  tilt = {};  // tilt and axis belonged to the other scan
+  held_axis_.reset();
   speed = 1;
 }
 
 // ---- Values
+
+void Strokes::holdAxis(const std::optional<Vec3d>& axis) {
+  held_axis_ = axis ? std::optional<Vec3d>(axis->normalized()) : std::nullopt;
+}
 
 void Strokes::setForce(double newtons) {
   force = std::clamp(newtons, kLeastForce, kMostForce);
@@ -87,7 +92,8 @@ std::optional<ToolOverSurface> Strokes::over(const Ray& ray) const {
   if (!seen) return {};
   if (bench_.saw->isGuiding()) return bench_.saw->over(*seen);
   auto at = toolOver(bench_.document->scene(), *bench_.document->run()->original(), *seen, bench_.tools->plunge());
-  if (at) tiltTool(*at, tilt, bench_.tools->touches());
+  if (at && held_axis_ && !holdTool(*at, *held_axis_, bench_.tools->touches())) return {};
+  if (at && !held_axis_) tiltTool(*at, tilt, bench_.tools->touches());
   return at;
 }
 
@@ -105,7 +111,8 @@ bool Strokes::press(const Ray& ray) {
   if (!at) {
     const auto seen = bench_.views->behindSection(ray);
     if (const auto hit = seen ? document.scene().hit(*seen) : std::nullopt)
-      (void)bench_.neighbours->isNeighbour(hit->id, "be cut");
+      if (!bench_.neighbours->isNeighbour(hit->id, "be cut") && held_axis_)
+        bench_.notices->say(shownText("This surface is an undercut of the held axis. Release the axis to cut it."));
     return false;
   }
   release();

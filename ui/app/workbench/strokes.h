@@ -32,6 +32,10 @@ class Strokes final : public Part {
   std::optional<double> stop_short_beside_mm;
   /// Tilt of the tool before it touches, and of later strokes. A guided blade has no tilt.
   Tilt tilt;
+  /// Axis of the tool for all strokes by mouse, pedal and pad, as of a path of insertion: unit, out of the tissue,
+  /// world frame. It counts before the tilt. None: the axis follows the surface.
+  const std::optional<Vec3d>& heldAxis() const { return held_axis_; }
+  void holdAxis(const std::optional<Vec3d>& axis);
   static constexpr double kLeastForce = 0.1, kMostForce = 8, kMostDepth = 5;
   static constexpr double kMostShort = 5, kUsualShort = 0.5, kUsualShortBeside = 0.2;  ///< mm
 
@@ -93,6 +97,7 @@ class Strokes final : public Part {
 
   Workbench& bench_;
   std::optional<Stroke> stroke_;
+  std::optional<Vec3d> held_axis_;
   std::optional<Ray> pointed_;   // last stroke ray
   std::optional<double> along_;  // depth set by moveAlong(), mm
   bool is_on_pedal_ = false, is_reversed_ = false;

@@ -6,11 +6,13 @@
 #include <system_error>
 #include <utility>
 
+#include "geometry/case/case_bundle.h"
 #include "geometry/tool/tool_file.h"
 #include "sim/run/session/watched_run.h"
 #include "sim/run/sweep/tool_resolution.h"
 #include "ui/app/base/language.h"
 #include "ui/app/document/document.h"
+#include "ui/app/import/import_plan.h"
 #include "ui/app/workbench/sawing.h"
 #include "ui/app/workbench/sessions.h"
 #include "ui/app/workbench/strokes.h"
@@ -105,6 +107,19 @@ void Tools::toolChanged() {
   const auto coarse = tooCoarseFor(held(), run.original()->voxel(), Held::kByHand);
   if (!coarse || !told_thin_.insert(held().id).second) return;
   bench_.notices->say(fmt::format("{}. Use voxels of {:.2g} mm.", coarse->what, coarse->finer_mm));
+}
+
+std::optional<FinerVoxels> Tools::finerVoxels() const {
+  constexpr double kThin = 2, kFine = 0.1, kRounding = 1e-6;  // mm
+  constexpr double kSecondsPerTriangle = 3e-6;                // of closing
+  const Document& document = *bench_.document;
+  if (!document.isOpen() || held().kind != ToolKind::kBur || held().head_diameter_mm >= kThin) return {};
+  const double now = document.run()->original()->voxel();
+  if (now < kFine + kRounding || !document.prepared() || !document.run()->neighbours().empty()) return {};
+  const CaseManifest& manifest = document.run()->caseManifest();
+  const Prediction cost =
+      predict(manifest.solid_area_mm2, kFine, kSecondsPerTriangle * static_cast<double>(manifest.solid_triangles));
+  return FinerVoxels{now, kFine, cost.seconds, cost.bytes};
 }
 
 // ---- The rack

@@ -24,6 +24,12 @@ namespace kerf {
 
 class Workbench;
 
+/// Smaller voxels for the tool in hand, and their cost.
+struct FinerVoxels {
+  double now_mm = 0, mm = 0;
+  double seconds = 0, bytes = 0;  ///< predicted
+};
+
 /// Window thread only.
 class Tools final : public Part {
  public:
@@ -65,6 +71,10 @@ class Tools final : public Part {
   const Mesh& head() const { return tools_[inHand()].head; }
   /// Points on its surface, for distances.
   const ToolSamples& samples() const;
+
+  /// Offered for a bur under 2 mm on voxels over 0.1 mm: their steps show at the margin. None: fine enough, or the
+  /// scan cannot be prepared again (a case, a session, neighbours).
+  std::optional<FinerVoxels> finerVoxels() const;
 
   // ---- For Sessions and Imports
 

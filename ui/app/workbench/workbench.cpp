@@ -6,6 +6,7 @@
 #include "ui/app/document/document.h"
 #include "ui/app/document/file_history.h"
 #include "ui/app/document/view_state.h"
+#include "ui/app/workbench/drilling.h"
 #include "ui/app/workbench/export_plan.h"
 #include "ui/app/workbench/force_device.h"
 #include "ui/app/workbench/imports.h"
@@ -53,11 +54,12 @@ Workbench::Workbench(WorkbenchOptions options)
       pieces(make<ScenePieces>(*this)),
       neighbours(make<SceneNeighbours>(*this)),
       saw(make<Sawing>(*this)),
+      drill(make<Drilling>(*this)),
       results(make<Results>(*this)),
       exporting(make<ExportPlan>(*this)),
       // The document takes the newest report before the parts that read it. A tool's changed file starts a job last.
-      parts_{&*jobs,   &*imports, &*document, &*replays, &*neighbours, &*monitor, &*strokes,  &*steps,  &*device,
-             &*pieces, &*results, &*views,    &*saw,     &*exporting,  &*tools,   &*sessions, &*history} {}
+      parts_{&*jobs,   &*imports, &*document, &*replays, &*neighbours, &*monitor,   &*strokes, &*steps,    &*device,
+             &*pieces, &*results, &*views,    &*saw,     &*drill,      &*exporting, &*tools,   &*sessions, &*history} {}
 
 Workbench::~Workbench() {
   jobs->abandon();

@@ -15,6 +15,7 @@
 namespace kerf {
 
 class Document;
+class Drilling;
 class ExportPlan;
 class FileHistory;
 class ForceDevice;
@@ -85,6 +86,7 @@ class Workbench {
   Owned<ScenePieces> pieces;          ///< pieces of the object: moves, names, colours
   Owned<SceneNeighbours> neighbours;  ///< neighbours of the object
   Owned<Sawing> saw;                  ///< planned planes and cuts
+  Owned<Drilling> drill;              ///< planned holes
   Owned<Results> results;             ///< snapshots for an export, and whether the cut was exported
   Owned<ExportPlan> exporting;        ///< the export panel's model
 

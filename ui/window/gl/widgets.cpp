@@ -104,7 +104,9 @@ bool collapsingHeader(const Words& label) { return ImGui::CollapsingHeader(label
 
 // ---- Windows, menus
 
+// A window that appears leaves the keys to a text being typed.
 bool begin(const Words& title, bool* is_open, ImGuiWindowFlags flags) {
+  if (ImGui::GetIO().WantTextInput) flags |= ImGuiWindowFlags_NoFocusOnAppearing;
   return ImGui::Begin(title.label().c_str(), is_open, flags);
 }
 

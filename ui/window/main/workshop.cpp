@@ -35,6 +35,7 @@
 #include "ui/app/hand/stroke_pointer.h"
 #include "ui/app/session/arm_lead.h"
 #include "ui/app/settings/settings.h"
+#include "ui/app/workbench/drilling.h"
 #include "ui/app/workbench/force_device.h"
 #include "ui/app/workbench/imports.h"
 #include "ui/app/workbench/replays.h"
@@ -360,7 +361,7 @@ class Workshop {
     context_.pointer = io.WantCaptureMouse ? std::nullopt : std::optional(std::array{pointer()[0], pointer()[1]});
     panels_.piece_drag.hover(context_, pointer());
     const bool is_on_handle = panels_.piece_drag.lit().has_value();
-    const bool is_picking = bench_.saw->picking.what() != SawPicking::What::kNothing;
+    const bool is_picking = bench_.saw->picking.what() != SawPicking::What::kNothing || bench_.drill->isPlanning();
     const bool is_on_panel = io.WantCaptureMouse && !is_led_by_device_;
     const bool hovers = !is_on_panel && held_ == kNone && !is_on_handle && !is_picking &&
                         !bench_.imports->isImporting() && (leftButtonCuts(context_) || is_led_by_device_);
@@ -516,6 +517,14 @@ class Workshop {
     return e.key == GLFW_MOUSE_BUTTON_LEFT && bench_.saw->picking.what() != SawPicking::What::kNothing;
   }
 
+  // False beside the model: the view turns.
+  bool placesHole() {
+    if (!bench_.drill->isPlanning() || bench_.drill->isDrilling() || bench_.imports->isImporting()) return false;
+    if (!bench_.document->scene().hit(rayAt(x_, y_))) return false;
+    say(runAppCommand(context_, "drill.click", wordsOf({pointer()[0], pointer()[1]})));
+    return true;
+  }
+
   void button(const InputEvent& e, bool is_on_panel) {
     x_ = e.x;
     y_ = e.y;
@@ -537,6 +546,7 @@ class Workshop {
     if (is_on_panel) return;
     if (e.key == GLFW_MOUSE_BUTTON_RIGHT) right_pressed_ = pointer();
     palette_.hide();
+    if (e.key == GLFW_MOUSE_BUTTON_LEFT && placesHole()) return;
     if (e.key == GLFW_MOUSE_BUTTON_LEFT && panels_.piece_drag.press(context_, pointer())) return;
     if (e.key != GLFW_MOUSE_BUTTON_LEFT || bench_.imports->isImporting() || !leftButtonCuts(context_) ||
         !stroke_.press(context_, pointer())) {

@@ -71,7 +71,7 @@ void drawLeftButton(AppContext& context) {
   ui::textColored(styleColours().quiet, "Left mouse button:");
   ImGui::PopTextWrapPos();
   choose("leads the tool", !turns, "tool");
-  choose("turns view (D: tool)", turns, "turn");
+  choose("turns view (E: tool)", turns, "turn");
 }
 
 void drawTour(AppContext& context, std::size_t& step) {

@@ -12,6 +12,7 @@
 #include "ui/window/frame/notices.h"
 #include "ui/window/frame/panel.h"
 #include "ui/window/panels/device_panel.h"
+#include "ui/window/panels/drill_panel.h"
 #include "ui/window/panels/import_panel.h"
 #include "ui/window/panels/pieces_panel.h"
 #include "ui/window/panels/saw_panel.h"
@@ -35,6 +36,7 @@ struct PanelState {
   FirstScreen first;
   SessionsPanelState sessions;
   SawPanelState saw{};
+  DrillPanelState drill{};
   DevicePanelState devices{};
 };
 

@@ -215,6 +215,47 @@ void drawTilt(AppContext& context) {
   if (ui::smallButton("Reset")) runIfEnabled(context, "tool.tilt-reset");
 }
 
+// The axis of all strokes, while it is held, and where it can be taken from.
+void drawAxis(AppContext& context) {
+  const std::optional<Vec3d>& axis = context.bench.strokes->heldAxis();
+  bool is_held = axis.has_value();
+  const bool is_clicked = ui::checkbox("Hold axis", &is_held), is_hovered = ImGui::IsItemHovered();
+  if (const Tool& tool = context.bench.tools->held(); tool.kind == ToolKind::kBur && tool.cuts_end) {
+    ImGui::SameLine();
+    if (ui::smallButton("Drill holes (D)")) runIfEnabled(context, "drill.plan");
+  }
+  if (is_clicked) return runIfEnabled(context, "tool.hold-axis", std::vector<std::string>{is_held ? "tool" : "off"});
+  if (is_hovered) ui::setTooltip("Keeps the tool's axis for all strokes: one path of insertion (A)");
+  if (!axis) return;
+  constexpr double kDegree = std::numbers::pi / 180;
+  const auto& occlusal = context.bench.document->occlusal().normal;
+  const double lean = std::acos(std::clamp(axis->dot(occlusal.value_or(Vec3d::UnitZ())), -1.0, 1.0)) / kDegree;
+  const std::string value = fmt::format("{:.3f}, {:.3f}, {:.3f}", (*axis)[0], (*axis)[1], (*axis)[2]);
+  ui::text(occlusal ? phrase("{:.1f} deg from occlusal: {}", lean, value)
+                    : phrase("{:.1f} deg from z: {}", lean, value));
+  std::optional<std::string> from;
+  if (ui::smallButton("Tool axis")) from = "tool";
+  ImGui::SameLine();
+  if (ui::smallButton("View axis")) from = "view";
+  ImGui::SameLine();
+  if (occlusal && ui::smallButton("Occlusal axis")) from = "occlusal";
+  if (from) runIfEnabled(context, "tool.hold-axis", std::vector<std::string>{*from});
+}
+
+// Shown for a thin bur on coarse voxels.
+void drawFinerVoxels(AppContext& context) {
+  const auto finer = context.bench.tools->finerVoxels();
+  if (!finer) return;
+  ImGui::PushStyleColor(ImGuiCol_Text, styleColours().warning);
+  ui::textWrapped(phrase("Voxels of {:.2f} mm leave steps at the margin of this bur.", finer->now_mm));
+  ImGui::PopStyleColor();
+  if (ui::smallButton(ui::asItIs(phrase("Use {:.2g} mm: about {:.0f} s, {:.1f} GB", finer->mm,
+                                        std::ceil(finer->seconds), 1e-9 * finer->bytes))))
+    runIfEnabled(context, "tool.finer-voxels");
+  if (ImGui::IsItemHovered())
+    ui::setTooltip("Prepares the scan again and opens it without cuts. This session stays in the list.");
+}
+
 void drawToolHand(AppContext& context) {
   const Workbench& bench = context.bench;
   ImGui::PushItemWidth(-1);
@@ -247,7 +288,9 @@ void drawToolHand(AppContext& context) {
 void drawTools(AppContext& context, ToolPanelState& state) {
   const std::optional<std::size_t> clicked = drawRack(context, state);
   ImGui::Separator();
+  drawFinerVoxels(context);
   drawTilt(context);
+  drawAxis(context);
   drawToolHand(context);
   if (clicked) runIfEnabled(context, "tool.select", std::vector<std::string>{context.bench.tools->wordFor(*clicked)});
 }
