@@ -312,11 +312,11 @@ const char* otherBundle(const fs::path& folder, std::string_view manifest) {
 
 // Files that bundles hold beside those named in their .toml files.
 bool isUsualName(const std::string& name, std::string_view manifest) {
-  constexpr std::array<std::string_view, 22> kNames{
-      "tool.ply",   "tools",    "run.new.vdb", "case.toml",  "recipe.toml",   "solid.ply",        "anatomy.vdb",
-      "run.toml",   "run.vdb",  "begin.vdb",   "forces.csv", "summary.json",  "session.kerflog",  "sound.wav",
-      "tool.toml",  "tool.vdb", "path.toml",   "path.csv",   "saw-plan.toml", "piece-names.toml", "lock",
-      "picture.png"};
+  constexpr std::array<std::string_view, 23> kNames{
+      "tool.ply",    "tools",    "run.new.vdb", "case.toml",  "recipe.toml",   "solid.ply",        "anatomy.vdb",
+      "run.toml",    "run.vdb",  "begin.vdb",   "forces.csv", "summary.json",  "session.kerflog",  "sound.wav",
+      "tool.toml",   "tool.vdb", "path.toml",   "path.csv",   "saw-plan.toml", "piece-names.toml", "lock",
+      "picture.png", "trim.toml"};
   if (name == manifest || name.starts_with("source-")) return true;
   if (std::find(kNames.begin(), kNames.end(), name) != kNames.end()) return true;
   return manifest.ends_with(".ply") && name.ends_with(".ply");  // demo anatomy without a recipe

@@ -3,6 +3,7 @@
 //   case.toml       manifest: sources, unit, changes, voxel size, hashes; read this first
 //   source-N.EXT    every imported file, byte for byte (a folder of slices: a folder)
 //   recipe.toml     the case recipe, byte for byte, if there was one
+//   trim.toml       the parts of the scan cut away before closing, if any (preprocess/bake/trim_file.h)
 //   solid.ply       the closed mesh in mm that export cuts: the source's vertices first, in their order (float32)
 //   anatomy.vdb     grids phi (mm, negative inside), material, shell; phi_fine, material_fine, shell_fine of a region
 #pragma once
@@ -24,6 +25,7 @@ namespace kerf {
 
 inline constexpr const char* kCaseManifest = "case.toml";
 inline constexpr const char* kCaseRecipe = "recipe.toml";
+inline constexpr const char* kCaseTrim = "trim.toml";
 inline constexpr const char* kCaseSolid = "solid.ply";
 inline constexpr const char* kCaseAnatomy = "anatomy.vdb";
 

@@ -8,6 +8,7 @@
 #include "geometry/base/hash.h"
 #include "geometry/base/version.h"
 #include "geometry/formats/mesh_writer.h"
+#include "preprocess/bake/trim_file.h"
 
 namespace kerf::internal {
 namespace {
@@ -170,6 +171,7 @@ Expected<void> writeCase(const BakeObject& object, const BakedGrids& grids, cons
 
   if (!report(job.progress, 0.85, "writing")) return cancelledBeforeWriting();
   const fs::path& folder = staging.staging();
+  if (const auto& trims = job.options.close.trims; !trims.empty()) KERF_CHECK(writeTrims(folder / kCaseTrim, trims));
   KERF_CHECK(writeMesh(folder / kCaseSolid, object.solid));
   KERF_CHECK(grids.anatomy.write(folder / kCaseAnatomy, grids.fine ? &*grids.fine : nullptr));
   KERF_TRY(solid_hash, sha256OfFile(folder / kCaseSolid));

@@ -32,6 +32,17 @@ BakeOptions optionsOf(const CaseRecipe& recipe, const BakeOptions& asked) {
   return options;
 }
 
+Expected<void> refuseTrims(const fs::path& recipe_file, const CloseOptions& close) {
+  if (close.trims.empty()) return {};
+  return fail({.code = Error::Code::kBadValue,
+               .file = recipe_file.string(),
+               .place = "--trim",
+               .found = "cuts for a recipe",
+               .expected = "one scan: the parts of a recipe are solids",
+               .hint = "kerf bake PART --trim FILE -o part.case, then kerf export part.case -o part.ply, and name that "
+                       "in the recipe"});
+}
+
 Expected<void> refuseBase(const fs::path& recipe_file, const CloseOptions& close) {
   const bool asks_base = close.only.empty() ? close.mode == CloseMode::kBase : close.only.count(CloseStep::kBase) > 0;
   if (!asks_base) return {};
@@ -272,6 +283,7 @@ Expected<BakeReport> bakeRecipe(const fs::path& recipe_file, const fs::path& cas
   job.options = optionsOf(recipe, asked);
   KERF_CHECK(internal::settleSizes(job.options));
   KERF_CHECK(refuseBase(recipe_file, job.options.close));
+  KERF_CHECK(refuseTrims(recipe_file, job.options.close));
   const MeshFiles files = meshFilesOf(recipe);
   KERF_TRY(hashes, hashInputs(recipe, files));
   KERF_TRY(more, textForId(recipe));

@@ -28,6 +28,11 @@ std::map<std::string, double> closingNumbers(const CloseReport& c) {
                                     {"crossings_resolved", count(c.crossings_resolved)},
                                     {"triangles_dropped", count(c.triangles_dropped)},
                                     {"triangles_added", count(c.triangles_added)}};
+  if (c.triangles_cut_away > 0) {
+    out["vertices_cut_away"] = count(c.vertices_cut_away);
+    out["triangles_cut_away"] = count(c.triangles_cut_away);
+    out["cut_away_mm2"] = c.cut_away_mm2;
+  }
   if (!c.exact) out["wrapped_mm3"] = c.volume_closed_mm3;
   return out;
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <optional>
 #include <span>
@@ -802,6 +803,28 @@ Expected<Result> makeSolid(const Mesh& imported, const CloseOptions& options, Ch
   return makeWrap(chain, options, report, progress);
 }
 
+// Closes the rest of a trimmed scan.
+Expected<Solid> closeTrimmed(const Mesh& imported_mm, const CloseOptions& options, const Progress& progress) {
+  KERF_TRY(trimmed, trimScan(imported_mm, options.trims));
+  CloseOptions rest = options;
+  rest.trims.clear();
+  KERF_TRY(solid, closeMesh(trimmed.mesh, rest, progress));
+  for (std::uint32_t& t : solid.source_triangle)
+    if (t != kAdded) t = trimmed.source_triangle[t];
+  CloseReport& report = solid.report;
+  report.vertices_cut_away = trimmed.vertices_removed;
+  report.triangles_cut_away = trimmed.triangles_removed;
+  report.cut_away_mm2 = trimmed.removed_mm2;
+  report.changes.insert(
+      report.changes.begin(),
+      fmt::format("{} removed {} ({:.2f} mm2) and {} of the scan before closing; its other {} did not move",
+                  counted(options.trims.size(), "cut", "cuts"),
+                  counted(trimmed.triangles_removed, "triangle", "triangles"), trimmed.removed_mm2,
+                  counted(trimmed.vertices_removed, "vertex", "vertices"),
+                  counted(trimmed.mesh.vertices.size(), "vertex", "vertices")));
+  return std::move(solid);
+}
+
 }  // namespace
 
 Expected<Solid> closeMesh(const Mesh& imported_mm, const CloseOptions& options, const Progress& progress) {
@@ -812,6 +835,7 @@ Expected<Solid> closeMesh(const Mesh& imported_mm, const CloseOptions& options, 
   if (degenerateTriangles(imported_mm.vertices, imported_mm.triangles).size() == imported_mm.triangles.size())
     return fail(makeError(Error::Code::kEmpty, "a mesh whose triangles all have no area", "a surface"));
   KERF_CHECK(checkObjectSize(imported_mm));
+  if (!options.trims.empty()) return closeTrimmed(imported_mm, options, progress);
   if (!kerf::report(progress, 0.0, "welding")) return cancelled();
   Solid solid;
   CloseReport& report = solid.report;
@@ -842,6 +866,7 @@ Expected<Solid> closeMesh(const Mesh& imported_mm, const CloseOptions& options, 
 
 Expected<OcclusalPlane> findOcclusalPlaneOfScan(const Mesh& imported_mm, const CloseOptions& options) {
   KERF_CHECK(checkObjectSize(imported_mm));
+  assert(options.trims.empty());
   CloseReport unused;
   KERF_TRY(chain, internal::buildChain(imported_mm, options, unused));
   return internal::findPlaneOfScan(chain, options);
@@ -863,6 +888,7 @@ std::string canonicalText(const CloseOptions& o) {
   // Options off by default stay out of the text, because the ids of existing cases derive from it.
   std::string more;
   if (o.trim_rim_mm > 0) more += fmt::format(" trim {}", o.trim_rim_mm);
+  if (!o.trims.empty()) more += '\n' + textOf(o.trims);
   if (o.drop_specks_mm3 > 0) more += fmt::format(" specks {}", o.drop_specks_mm3);
   return fmt::format(
       "{} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {}{}", static_cast<int>(o.mode),

@@ -13,6 +13,7 @@
 #include "geometry/base/progress.h"
 #include "geometry/mesh/mesh.h"
 #include "preprocess/close/occlusal_plane.h"
+#include "preprocess/close/scan_trim.h"
 #include "preprocess/unit/source_triangle.h"
 
 namespace kerf {
@@ -57,6 +58,8 @@ inline constexpr double kLargestObject = 2000;
 
 struct CloseOptions {
   CloseMode mode = CloseMode::kAuto;
+  /// Parts of the scan to remove before all steps. See trimScan().
+  std::vector<ScanTrim> trims{};
   /// If not empty: exactly these steps, in any `mode`. The error for a mesh that needs another step names that step.
   std::set<CloseStep> only{};
   /// Stitches boundaries up to this distance apart; 0: none. The default covers seams from exporters with few digits.
@@ -136,6 +139,9 @@ struct CloseReport {
   std::vector<std::string> changes;  ///< sentences with counts; empty if the mesh needed no change
   /// Changes beyond the options: seams stitched wider than stitch_mm, lengths scaled down with a small object.
   std::vector<std::string> warnings{};
+  std::size_t vertices_cut_away = 0;  ///< by CloseOptions::trims, as the next two; all other counts are of the rest
+  std::size_t triangles_cut_away = 0;
+  double cut_away_mm2 = 0;
   std::size_t vertices_rounded = 0;  ///< source vertices with coordinates other than float32 numbers
   std::size_t vertices_welded = 0;   ///< source vertices joined with another at the same place
   std::size_t vertices_moved = 0;    ///< source vertices moved to separate parts that touched
@@ -192,8 +198,8 @@ struct Solid {
 };
 
 /// Closes a mesh, changing as little as possible and reporting every change. Steps (reasons in preprocess/README.md):
-/// round, weld, stitch, orient, fill holes, extrude rims to a flat base, until the triangles form a closed chain. If
-/// the chain is an embedded 2-manifold, it is the result, and no source vertex moves. Otherwise an exact arrangement
+/// trim, round, weld, stitch, orient, fill holes, extrude rims to a flat base, until the triangles form a closed chain.
+/// If the chain is an embedded 2-manifold, it is the result, and no source vertex moves. Otherwise an exact arrangement
 /// resolves all crossings, and the boundary of {winding number >= 1} remains: interpenetrating parts unite, double
 /// layers and inner shells vanish, cavities stay. cleanUpForFloat32() rounds new vertices to float32. A last check
 /// returns an error unless the result is closed, 2-manifold at edges and vertices, without crossingPairs(), and of
@@ -212,6 +218,7 @@ Expected<Solid> closeMesh(const Mesh& imported_mm, const CloseOptions& options =
 
 /// The plane that closeMesh() would find for a scan without underside under CloseOptions::find_occlusal_plane.
 /// Errors: as findOcclusalPlane(); kGeometry for a closed mesh; kBadValue for one larger than kLargestObject.
+/// @pre  no trims.
 Expected<OcclusalPlane> findOcclusalPlaneOfScan(const Mesh& imported_mm, const CloseOptions& options = {});
 
 /// "weld,orient,fill"; empty for an empty set.

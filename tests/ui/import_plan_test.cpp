@@ -179,6 +179,56 @@ TEST(Predict, FourTimesTheVoxelsForHalfTheSize) {
   EXPECT_NEAR(arch.surface_triangles / 1.367e6, 1, 0.15);
 }
 
+TEST_F(ImportPlanTest, ACutScanKeepsItsOtherPointsAndCanBeTakenBack) {
+  ImportPlan plan = planOf(bowl());
+  const Mesh& read = *plan.found().mesh;
+  const Box3 before = plan.boxMm();
+  const auto as_read = plan.mesh();
+  ASSERT_TRUE(plan.trim(PlaneTrim{{0, 0, 1}, -Vec3d::UnitZ()}));
+  ASSERT_TRUE(plan.trimmed());
+  EXPECT_GT(plan.trimmed()->triangles_removed, 0u);
+  EXPECT_EQ(plan.mesh()->triangles.size() + plan.trimmed()->triangles_removed, read.triangles.size());
+  EXPECT_NEAR(surfaceArea(*plan.mesh()) + plan.trimmed()->removed_mm2, surfaceArea(read), 1e-9);
+  EXPECT_LT(plan.boxMm().size().z(), before.size().z()) << "the box is that of the rest";
+  EXPECT_GE(plan.boxMm().min.z(), 1);
+
+  // A useless cut is an error, and changes nothing.
+  const ClosingChoice kept = plan.closing();
+  EXPECT_EQ(plan.trim(PlaneTrim{{0, 0, 1}, -Vec3d::UnitZ()}).error().code, Error::Code::kEmpty);
+  EXPECT_EQ(plan.trim(PlaneTrim{{0, 0, -9}, Vec3d::UnitZ()}).error().code, Error::Code::kEmpty);
+  EXPECT_EQ(plan.closing(), kept);
+
+  // The preview closes the rest.
+  work(plan);
+  ASSERT_TRUE(plan.preview()) << plan.previewError()->message();
+  EXPECT_NE(plan.preview()->changes[0].find("1 cut removed"), std::string::npos) << plan.preview()->changes[0];
+
+  // The other side of a cut by the smaller part is the larger one.
+  ASSERT_TRUE(plan.trim(plan.removingLess({{1, 0, 0}, -Vec3d::UnitX()})));
+  EXPECT_LE(plan.boxMm().max.x(), 1);
+  EXPECT_LT(plan.boxMm().min.x(), -2);
+  ASSERT_TRUE(plan.flipTrim());
+  EXPECT_GE(plan.boxMm().min.x(), 1);
+
+  EXPECT_TRUE(plan.undoTrim());
+  EXPECT_EQ(plan.closing(), kept);
+  EXPECT_TRUE(plan.undoTrim());
+  EXPECT_EQ(plan.mesh(), as_read) << "the scan as read";
+  EXPECT_FALSE(plan.trimmed());
+  EXPECT_FALSE(plan.undoTrim());
+}
+
+TEST_F(ImportPlanTest, AnotherUnitKeepsTheSameTriangles) {
+  ImportPlan plan = planOf(bowl());
+  ASSERT_TRUE(plan.trim(PlaneTrim{{0, 0, 1}, -Vec3d::UnitZ()}));
+  const std::size_t removed = plan.trimmed()->triangles_removed;
+  ASSERT_TRUE(plan.setUnit("cm"));
+  const auto now = trimScan(*plan.found().mesh, plan.closing().trims, plan.unit().scale_to_mm);
+  ASSERT_TRUE(now);
+  EXPECT_EQ(now->triangles_removed, removed);
+  EXPECT_NEAR(plan.trimmed()->removed_mm2, now->removed_mm2, 1e-9 * now->removed_mm2);
+}
+
 // ---- By commands, as in the window
 
 class ImportCommandsTest : public ImportPlanTest {
@@ -218,6 +268,36 @@ TEST_F(ImportCommandsTest, AScanIsReadLookedAtAndPreparedAsChosen) {
   EXPECT_NEAR(bench.document->scene().bounds().size()[2], 3 + 4, 0.2) << "as drawn: within a voxel";
   EXPECT_NE(bench.notices->list().back().text.find("voxel size 0.2 mm"), std::string::npos)
       << bench.notices->list().back().text;
+}
+
+// From the top, at 43 pixels a mm.
+TEST_F(ImportCommandsTest, LassoAndLineCutPartsAwayAndTheCaseRepeatsThem) {
+  Workbench bench(options());
+  const std::string read = "import.read \"" + bowl().string() + "\"\nwait\nview.top\nview.fit\n";
+  ASSERT_TRUE(play(bench, read + "import.trim-lasso 0 0 150 0 150 300 0 300\n"));
+  const TrimmedScan* trimmed = bench.imports->plan()->trimmed();
+  ASSERT_TRUE(trimmed);
+  const std::size_t by_lasso = trimmed->triangles_removed;
+  EXPECT_GT(by_lasso, 100u);
+  const Box3 box = bench.imports->plan()->boxMm();
+  EXPECT_NEAR(box.max.x(), 3, 0.1);
+  EXPECT_GT(box.min.x(), -2.9) << "the left side went";
+
+  ASSERT_TRUE(play(bench, "import.trim-line 280 0 280 300\nwait\n"));
+  EXPECT_GT(bench.imports->plan()->trimmed()->triangles_removed, by_lasso);
+  EXPECT_LT(bench.imports->plan()->boxMm().max.x(), 2.9);
+  ASSERT_TRUE(play(bench, "import.trim-undo\n"));
+  EXPECT_EQ(bench.imports->plan()->trimmed()->triangles_removed, by_lasso);
+
+  const auto played = play(bench, "import.trim-rim 1\nimport.voxel 0.2\nimport.start\nwait\n");
+  ASSERT_TRUE(played) << played.error().message();
+  const fs::path made = fs::directory_iterator(folder_.path() / "data" / "cases")->path();
+  EXPECT_EQ(readCaseManifest(made)->closing.at("triangles_cut_away"), static_cast<double>(by_lasso));
+
+  // Another import repeats them: the same case.
+  ASSERT_TRUE(play(bench, read + "import.trim-load \"" + made.string() +
+                              "\"\nimport.trim-rim 1\nimport.voxel 0.2\nimport.start\nwait\n"));
+  EXPECT_EQ(cases(), 1u);
 }
 
 TEST_F(ImportCommandsTest, WithoutAChoiceItIsTheCaseThatFileOpenMakes) {
@@ -279,6 +359,11 @@ TEST_F(ImportCommandsTest, WhatCannotBeDoneIsSaid) {
                                                        {read + "import.plane maybe", "on or off"},
                                                        {read + "import.holes x", "a length in mm"},
                                                        {read + "import.wrap 90", "0.1 to 5 mm"},
+                                                       {read + "import.trim-undo", "not available now"},
+                                                       {read + "import.trim circle", "lasso, line or off"},
+                                                       {read + "import.trim-lasso 0 0 9 0 9", "X Y of 3 to"},
+                                                       {read + "import.trim-line 0 0", "X Y of 2 pixels"},
+                                                       {read + "import.trim-rim 11", "0 to 10 mm"},
                                                        {read + "import.voxel 0", "auto"},
                                                        {read + "import.voxel 9", "0.02 to 0.5 mm"}};
   for (const auto& [script, words] : cases) {

@@ -11,6 +11,7 @@
 #include "geometry/formats/mesh_formats.h"
 #include "preprocess/bake/case_recipe.h"
 #include "preprocess/bake/closing_numbers.h"
+#include "preprocess/bake/trim_file.h"
 #include "preprocess/unit/unit.h"
 #include "sim/hand/path.h"
 #include "ui/app/saw/plane_words.h"
@@ -24,7 +25,7 @@ constexpr double kHighestBase = 1000;  // mm; limit of closing
 
 struct BakeArguments {
   std::vector<std::string> inputs;
-  std::string output, close = "auto", base, base_direction, occlusal_plane;
+  std::string output, close = "auto", base, base_direction, occlusal_plane, trim;
   std::optional<double> base_height;
   double fill_up_to = 0;                   // 0: by the size
   std::string fine_along;                  // a path file
@@ -314,6 +315,17 @@ int runOne(const BakeArguments& a, const std::vector<std::filesystem::path>& pat
 
 int runBake(BakeArguments& a) {
   if (const auto read = readCloseOptions(a, a.options.close); !read) return complainOfUsage(read.error());
+  if (!a.trim.empty()) {
+    if (a.pair)
+      return complainOfUsage({.code = Error::Code::kBadValue,
+                              .place = "--trim",
+                              .found = "given with --pair",
+                              .expected = "one scan",
+                              .hint = "bake the jaws one by one"});
+    auto trims = readTrims(a.trim);
+    if (!trims) return complain(trims.error());
+    a.options.close.trims = std::move(*trims);
+  }
   if (!a.fine_along.empty()) {
     if (a.pair)
       return complainOfUsage({.code = Error::Code::kBadValue,
@@ -370,6 +382,11 @@ void addClosingOptions(CLI::App& command, BakeArguments& a) {
       ->capture_default_str();
   command.add_option("--base-direction", a.base_direction,
                      "side of the base: +x -x +y -y +z -z (default: the open side of the scan)");
+  command
+      .add_option("--trim", a.trim,
+                  "cut parts of the scan away first: a trim file (docs/reference/file-formats.md), or a case made with "
+                  "one. The import of kerf-sim records them")
+      ->check(CLI::ExistingPath);
   command
       .add_option("--trim-rim", a.options.close.trim_rim_mm,
                   "remove tongues and flakes of the rim narrower than this [mm] before building the base; the report "

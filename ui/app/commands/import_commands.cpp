@@ -9,7 +9,9 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "preprocess/bake/trim_file.h"
 #include "ui/app/commands/command_tables.h"
+#include "ui/app/commands/pointing.h"
 #include "ui/app/document/document.h"
 #include "ui/app/document/jobs.h"
 #include "ui/app/workbench/imports.h"
@@ -164,6 +166,82 @@ Expected<void> importVoxel(AppContext& c, AppWords words) {
   return setVoxel(mm);
 }
 
+// ---- Trims
+
+bool hasTrims(const AppContext& c) { return isImportingScan(c) && c.bench.imports->plan()->trimmed(); }
+bool isDrawingTrims(const AppContext& c) { return isImportingScan(c) && c.bench.imports->drawing.isOn(); }
+
+Expected<void> importTrim(AppContext& c, AppWords words) {
+  using What = TrimDrawing::What;
+  TrimDrawing& drawing = c.bench.imports->drawing;
+  const std::string word = importWordOf(words, 0);
+  if (word != "" && word != "lasso" && word != "line" && word != "off") return notAWord(word, "lasso, line or off");
+  drawing.begin(word == "line" ? What::kLine : word == "off" ? What::kNothing : What::kLasso);
+  return {};
+}
+
+Expected<void> importTrimStop(AppContext& c, AppWords) {
+  c.bench.imports->drawing.begin(TrimDrawing::What::kNothing);
+  return {};
+}
+
+// Points of the focal plane under pixels: X1 Y1 X2 Y2 ...
+Expected<std::vector<Vec3d>> focalPointsOf(const AppContext& c, AppWords words, std::size_t least, std::size_t most) {
+  if (words.size() % 2 != 0 || words.size() < 2 * least || words.size() > 2 * most)
+    return notAWord(
+        std::to_string(words.size()) + " numbers",
+        fmt::format("X Y of {} pixels", least == most ? std::to_string(least) : fmt::format("{} to {}", least, most)));
+  std::vector<Vec3d> out;
+  const Vec3d to_viewer = c.camera.backwards();
+  for (std::size_t n = 0; n < words.size(); n += 2) {
+    KERF_TRY(ray, rayOf(c, words, n));
+    out.push_back(ray.at(to_viewer.dot(c.camera.target - ray.origin) / to_viewer.dot(ray.direction)));
+  }
+  return out;
+}
+
+std::optional<Vec3d> eyeOf(const Camera& camera) {
+  if (!camera.isPerspective()) return {};
+  return camera.target + camera.eyeDistance() * camera.backwards();
+}
+
+Expected<void> importTrimLasso(AppContext& c, AppWords words) {
+  KERF_TRY(outline, focalPointsOf(c, words, 3, kMostCorners));
+  return c.bench.imports->plan()->trim(OutlineTrim{std::move(outline), -c.camera.backwards(), eyeOf(c.camera)});
+}
+
+Expected<void> importTrimLine(AppContext& c, AppWords words) {
+  KERF_TRY(ends, focalPointsOf(c, words, 2, 2));
+  const auto eye = eyeOf(c.camera);
+  const Vec3d sight = eye ? Vec3d(ends[0] - *eye) : Vec3d(-c.camera.backwards());
+  const Vec3d normal = sight.cross(ends[1] - ends[0]);
+  if (!(normal.norm() > 0)) return notAWord("a line without length", "two pixels apart");
+  ImportPlan& plan = *c.bench.imports->plan();
+  return plan.trim(plan.removingLess({ends[0], normal.normalized()}));
+}
+
+Expected<void> importTrimFlip(AppContext& c, AppWords) { return c.bench.imports->plan()->flipTrim(); }
+
+Expected<void> importTrimUndo(AppContext& c, AppWords) {
+  c.bench.imports->plan()->undoTrim();
+  return {};
+}
+
+Expected<void> importTrimReset(AppContext& c, AppWords) { return c.bench.imports->plan()->setTrims({}); }
+
+Expected<void> importTrimLoad(AppContext& c, AppWords words) {
+  KERF_TRY(file, pathOf(words));
+  KERF_TRY(trims, readTrims(file));
+  return c.bench.imports->plan()->setTrims(std::move(trims));
+}
+
+Expected<void> importTrimRim(AppContext& c, AppWords words) {
+  ClosingChoice choice = c.bench.imports->plan()->closing();
+  KERF_TRY(mm, lengthOf(importWordOf(words, 0)));
+  choice.trim_rim_mm = mm;
+  return c.bench.imports->plan()->setClosing(choice);
+}
+
 Expected<void> importPreview(AppContext& c, AppWords) {
   if (PreviewedPlan* const plan = c.bench.imports->set()->plan()) plan->startPreview();
   return {};
@@ -184,9 +262,14 @@ void addScan(nlohmann::json& j, const ImportPlan& plan) {
   j["unit"] = plan.unit().unit;
   j["size_mm"] = {size[0], size[1], size[2]};
   j["is_plausible"] = plan.unit().is_plausible;
-  j["is_closed"] = plan.found().check.isClosed();
+  j["is_closed"] = plan.check().isClosed();
   j["needs_base"] = plan.isWithoutUnderside();
   j["voxel_mm"] = plan.voxel();
+  if (const TrimmedScan* const trimmed = plan.trimmed())
+    j["cut_away"] = {{"cuts", plan.closing().trims.size()},
+                     {"triangles", trimmed->triangles_removed},
+                     {"vertices", trimmed->vertices_removed},
+                     {"mm2", trimmed->removed_mm2}};
 }
 
 void addLabels(nlohmann::json& j, const LabelPlan& plan) {
@@ -257,12 +340,31 @@ constexpr AppCommand kRows[] = {
      "Smooths waves shorter than this length out of the walls of a horseshoe, 0 to 20 mm. 0: straight walls under the "
      "rim.",
      isImportingScan, importSmooth},
+    {"import.trim-rim", "", "", "", "MM",
+     "Removes tongues and flakes of the rim narrower than this before building the base, 0 to 10 mm. 0: none.",
+     isImportingScan, importTrimRim},
     {"import.plane", "", "", "", "on|off", "Makes the base parallel to the occlusal plane.", isImportingScan,
      importPlane},
     {"import.holes", "", "", "", "MM|auto", "Fills holes up to this circumference. A longer boundary is a rim.",
      isImportingScan, importHoles},
     {"import.wrap", "", "", "", "MM", "Sets the largest gap that a wrap bridges.", isImportingScan, importWrap},
     {"import.voxel", "", "", "", "MM|auto", "Sets the voxel size, 0.02 to 0.5 mm.", isImporting, importVoxel},
+    {"import.trim", "File:2", "Cut away part of scan", "", "[lasso|line|off]",
+     "Cuts parts of the scan away before closing: the left button draws a line around a part, or across the scan.",
+     isImportingScan, importTrim},
+    {"import.trim-stop", "", "", "Esc", "", "Ends drawing such lines.", isDrawingTrims, importTrimStop},
+    {"import.trim-lasso", "", "", "", "X1 Y1 X2 Y2 X3 Y3...",
+     "Removes the part of the scan inside a closed line of pixels, through the whole scan along the view.",
+     isImportingScan, importTrimLasso},
+    {"import.trim-line", "", "", "", "X1 Y1 X2 Y2",
+     "Removes the part of the scan on one side of a line through two pixels, along the view: the smaller part.",
+     isImportingScan, importTrimLine},
+    {"import.trim-flip", "", "", "", "", "Makes the last cut remove the other side.", hasTrims, importTrimFlip},
+    {"import.trim-undo", "", "", "Ctrl+Z", "", "Takes the last cut of the scan back.", hasTrims, importTrimUndo},
+    {"import.trim-reset", "", "", "", "", "Takes all cuts of the scan back.", hasTrims, importTrimReset},
+    {"import.trim-load", "", "", "", "FILE",
+     "Repeats the cuts of another import: a trim file, or a case with one (trim.toml).", isImportingScan,
+     importTrimLoad},
     {"import.preview", "File:2", "Preview closed scan", "", "",
      "Closes the scan and shows the solid. For labels: shows the smooth surface of their tissues.", isImporting,
      importPreview},

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "geometry/formats/mesh_io.h"
@@ -124,7 +125,7 @@ Prediction predict(double area_mm2, double voxel_mm, double closing_s) {
 }
 
 ImportPlan::ImportPlan(ScanFound found, PrepareOptions defaults)
-    : found_(std::move(found)), choice_(std::move(defaults)) {
+    : found_(std::move(found)), mesh_(found_.mesh), check_(found_.check), choice_(std::move(defaults)) {
   const Vec3d size = found_.check.box.size();
   for (const std::string& name : unitNames()) {
     const double scale = millimetresPer(name).value_or(1);
@@ -140,6 +141,8 @@ ImportPlan::ImportPlan(ScanFound found, PrepareOptions defaults)
 Expected<void> ImportPlan::setUnit(const std::string& name) {
   KERF_TRY(chosen, chooseUnit(found_.check.box, name, found_.declared_unit));
   choice_.unit = name;
+  for (ScanTrim& trim : choice_.closing.trims)
+    trim = scaledBy(std::move(trim), chosen.scale_to_mm / unit().scale_to_mm);
   unit_is_doubtful_ = chosen.is_doubtful;
   for (std::size_t n = 0; n < units_.size(); ++n)
     if (units_[n].unit == chosen.unit) unit_ = n;
@@ -157,6 +160,8 @@ Expected<void> ImportPlan::setClosing(const ClosingChoice& c) {
   if (!(c.wrap_mm >= kFinestWrap && c.wrap_mm <= kCoarsestWrap))
     return wrong(fmt::format("a wrap of {:g} mm", c.wrap_mm),
                  fmt::format("{:g} to {:g} mm", kFinestWrap, kCoarsestWrap));
+  if (!(c.trim_rim_mm >= 0 && c.trim_rim_mm <= kWidestRimTrim))
+    return wrong(fmt::format("a rim trimmed by {:g} mm", c.trim_rim_mm), fmt::format("0 to {:g} mm", kWidestRimTrim));
   if (c.holes_up_to_mm && !(*c.holes_up_to_mm > 0 && *c.holes_up_to_mm < 1e4))
     return wrong(fmt::format("holes up to {:g} mm", *c.holes_up_to_mm), "more than 0, less than 10000 mm");
   if (c.follows_occlusal_plane && !found_.has_occlusal_plane)
@@ -164,6 +169,62 @@ Expected<void> ImportPlan::setClosing(const ClosingChoice& c) {
   choice_.closing = c;
   changed();
   return {};
+}
+
+// ---- Trims
+
+// @param least  triangles to remove.
+Expected<void> ImportPlan::setTrims(std::vector<ScanTrim> trims, std::size_t least) {
+  const double scale = unit().scale_to_mm;
+  if (trims.empty()) {
+    trimmed_.reset();
+    mesh_ = found_.mesh;
+    check_ = found_.check;
+  } else {
+    KERF_TRY(trimmed, trimScan(*found_.mesh, trims, scale));
+    if (trimmed.triangles_removed < least)
+      return fail({.code = Error::Code::kEmpty,
+                   .place = "trim",
+                   .found = "a cut that removes no triangle",
+                   .expected = "a line around or across a part of the scan"});
+    check_ = checkMesh(trimmed.mesh, {.self_intersections = false});
+    check_.self_intersections = found_.check.self_intersections;
+    mesh_ = std::make_shared<const Mesh>(std::move(trimmed.mesh));
+    trimmed_ = std::move(trimmed);
+  }
+  choice_.closing.trims = std::move(trims);
+  changed();
+  return {};
+}
+
+Expected<void> ImportPlan::trim(const ScanTrim& trim) {
+  std::vector<ScanTrim> trims = choice_.closing.trims;
+  trims.push_back(trim);
+  return setTrims(std::move(trims), (trimmed_ ? trimmed_->triangles_removed : 0) + 1);
+}
+
+ScanTrim ImportPlan::removingLess(const PlaneTrim& plane) const {
+  const ScanTrim other = flipped(plane);
+  // A trim that would remove all is an error: the most.
+  const auto removed = [&](const ScanTrim& trim) {
+    const auto out = trimScan(*mesh_, {&trim, 1}, unit().scale_to_mm);
+    return out ? out->removed_mm2 : std::numeric_limits<double>::infinity();
+  };
+  return removed(plane) <= removed(other) ? ScanTrim(plane) : other;
+}
+
+bool ImportPlan::undoTrim() {
+  std::vector<ScanTrim> trims = choice_.closing.trims;
+  if (trims.empty()) return false;
+  trims.pop_back();
+  return setTrims(std::move(trims)).has_value();
+}
+
+Expected<void> ImportPlan::flipTrim() {
+  std::vector<ScanTrim> trims = choice_.closing.trims;
+  if (trims.empty()) return wrong("no cut", "a cut to flip");
+  trims.back() = flipped(std::move(trims.back()));
+  return setTrims(std::move(trims));
 }
 
 Expected<void> ImportPlan::setVoxel(double mm) {
@@ -183,18 +244,18 @@ double ImportPlan::suggestedVoxel() const {
 Box3 ImportPlan::boxMm() const {
   const double scale = unit().scale_to_mm;
   Box3 out;
-  out.add(scale * found_.check.box.min);
-  out.add(scale * found_.check.box.max);
+  out.add(scale * check_.box.min);
+  out.add(scale * check_.box.max);
   return out;
 }
 
 double ImportPlan::rimMm() const {
-  const auto& loops = found_.check.boundary_loops;
+  const auto& loops = check_.boundary_loops;
   return loops.empty() ? 0 : unit().scale_to_mm * loops[0].length;
 }
 
 std::size_t ImportPlan::rimCount() const {
-  const auto& loops = found_.check.boundary_loops;
+  const auto& loops = check_.boundary_loops;
   const ClosingChoice& c = choice_.closing;
   if (loops.empty()) return 0;
   if (c.way == ClosingChoice::Way::kBase) return 1;
@@ -211,10 +272,10 @@ Prediction ImportPlan::prediction() const {
   constexpr double kWithBase = 1.35, kSecondsOfOpen = 3.5e-5, kSecondsOfClosed = 1e-5;
   const double scale = unit().scale_to_mm;
   const double area =
-      preview() ? preview()->area_mm2 : found_.check.area * scale * scale * (isWithoutUnderside() ? kWithBase : 1);
+      preview() ? preview()->area_mm2 : check_.area * scale * scale * (isWithoutUnderside() ? kWithBase : 1);
   const double closing = previewSeconds() > 0 ? previewSeconds()
-                                              : (found_.check.isClosed() ? kSecondsOfClosed : kSecondsOfOpen) *
-                                                    static_cast<double>(found_.check.triangles);
+                                              : (check_.isClosed() ? kSecondsOfClosed : kSecondsOfOpen) *
+                                                    static_cast<double>(check_.triangles);
   return predict(area, voxel(), closing + found_.seconds);
 }
 
@@ -234,7 +295,7 @@ std::string ImportPlan::reasonOfUnit() const {
 }
 
 std::vector<Finding> ImportPlan::findings() const {
-  const MeshReport& r = found_.check;
+  const MeshReport& r = check_;
   std::vector<Finding> out;
 
   // Size and unit: the most frequent and worst errors.
@@ -294,7 +355,7 @@ std::vector<Finding> ImportPlan::findings() const {
 // ---- The closed solid
 
 bool ImportPlan::startsByItself() const {
-  return choice_.closing.way != ClosingChoice::Way::kWrap && found_.check.triangles <= kByItselfUpTo;
+  return choice_.closing.way != ClosingChoice::Way::kWrap && check_.triangles <= kByItselfUpTo;
 }
 
 std::unique_ptr<Job<ClosedPreview>> ImportPlan::makePreview() const {

@@ -65,6 +65,9 @@ class ImportPlan final : public PreviewedPlan {
   ImportPlan(ScanFound found, PrepareOptions defaults);
 
   const ScanFound& found() const { return found_; }
+  /// The scan after the trims, in the file's unit, and its check. Crossings are those of the scan as read.
+  const std::shared_ptr<const Mesh>& mesh() const { return mesh_; }
+  const MeshReport& check() const { return check_; }
   /// Findings at the chosen unit.
   std::vector<Finding> findings() const;
 
@@ -79,6 +82,18 @@ class ImportPlan final : public PreviewedPlan {
   bool isUnitGuessed() const { return choice_.unit.empty() && found_.declared_unit.empty(); }
   Expected<void> setUnit(const std::string& name);
   Expected<void> setClosing(const ClosingChoice& choice);
+  /// Adds a trim to the closing choice, or takes the last ones back. Errors: those of trimScan(), which change nothing;
+  /// kEmpty for a trim that removes nothing.
+  Expected<void> trim(const ScanTrim& trim);
+  /// The plane with the normal turned so that it removes the smaller area.
+  ScanTrim removingLess(const PlaneTrim& plane) const;
+  /// @return false: there is none.
+  bool undoTrim();
+  Expected<void> flipTrim();
+  /// Replaces all; empty: the scan as read.   @param least  triangles that must go.
+  Expected<void> setTrims(std::vector<ScanTrim> trims, std::size_t least = 0);
+  /// Result of all trims, without its mesh: mesh(). Null: none.
+  const TrimmedScan* trimmed() const { return trimmed_ ? &*trimmed_ : nullptr; }
   /// mm; 0: as suggestedVoxel().
   Expected<void> setVoxel(double mm);
   double suggestedVoxel() const;
@@ -86,6 +101,7 @@ class ImportPlan final : public PreviewedPlan {
   static constexpr double kFinestVoxel = 0.02, kCoarsestVoxel = 0.5;  ///< mm
   static constexpr double kThinnestBase = 0.5, kThickestBase = 30;    ///< mm
   static constexpr double kSmoothest = 20;                            ///< mm
+  static constexpr double kWidestRimTrim = 10;                        ///< mm
   static constexpr double kFinestWrap = 0.1, kCoarsestWrap = 5;       ///< mm
 
   // ---- Results
@@ -109,6 +125,9 @@ class ImportPlan final : public PreviewedPlan {
   std::string reasonOfUnit() const;
 
   ScanFound found_;
+  std::optional<TrimmedScan> trimmed_;  // its mesh is mesh_
+  std::shared_ptr<const Mesh> mesh_;
+  MeshReport check_;
   PrepareOptions choice_;
   std::vector<UnitOption> units_;
   bool unit_is_doubtful_ = false;

@@ -301,8 +301,8 @@ ImportPicture ImportSet::picture(bool shows_solid) const {
     if (solid && (entry.labels || shows_solid))
       out.parts.push_back({solid->solid, 1, false, !is_chosen});
     else if (entry.scan)
-      out.parts.push_back({entry.scan->found().mesh, entry.scan->unit().scale_to_mm,
-                           !entry.scan->found().check.isClosed(), !is_chosen});
+      out.parts.push_back(
+          {entry.scan->mesh(), entry.scan->unit().scale_to_mm, !entry.scan->check().isClosed(), !is_chosen});
     const Box3 box = boxOf(entry);
     if (!box.isEmpty()) {
       out.box.add(box.min);

@@ -244,6 +244,8 @@ CloseOptions closeOptionsOf(const ClosingChoice& choice) {
   out.find_occlusal_plane = choice.follows_occlusal_plane;
   out.fill_up_to_mm = choice.holes_up_to_mm;
   out.wrap_alpha_mm = choice.wrap_mm;
+  out.trim_rim_mm = choice.trim_rim_mm;
+  out.trims = choice.trims;
   return out;
 }
 

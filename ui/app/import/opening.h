@@ -14,6 +14,7 @@
 #include "geometry/base/error.h"
 #include "geometry/base/progress.h"
 #include "geometry/mesh/mesh.h"
+#include "preprocess/close/scan_trim.h"
 #include "sim/monitor/structures.h"
 #include "sim/run/session/live_run.h"
 #include "sim/run/session/run_branch.h"
@@ -54,6 +55,8 @@ struct ClosingChoice {
   double smooth_mm = 12;                 ///< walls have no waves shorter than this; 0: straight under the rim
   bool follows_occlusal_plane = false;   ///< the base is parallel to it
   std::optional<double> holes_up_to_mm;  ///< a longer boundary is no hole; none: closing decides
+  double trim_rim_mm = 0;                ///< tongues of the rim narrower than this go; 0: none
+  std::vector<ScanTrim> trims{};         ///< parts to cut away first
   double wrap_mm = 1;                    ///< a wrap bridges hollows narrower than this
 
   bool operator==(const ClosingChoice&) const = default;

@@ -220,6 +220,7 @@ void Imports::cancel() {
 
 // A preview stops at its next progress report: waiting for that here would hold up the frame.
 void Imports::putAway() {
+  drawing.begin(TrimDrawing::What::kNothing);
   std::erase_if(ending_, [](const auto& set) { return set->isIdle(); });
   if (!import_) return;
   import_->suspendPreviews();

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "ui/app/document/part.h"
+#include "ui/app/import/trim_drawing.h"
 
 namespace kerf {
 
@@ -48,6 +49,9 @@ class Imports final : public Part {
   std::vector<std::filesystem::path> takeTools(const std::vector<std::filesystem::path>& paths);
 
   void update() override;
+
+  /// A line over the picture that cuts a part of plan() away.
+  TrimDrawing drawing;
 
  private:
   void read(std::vector<std::filesystem::path> paths, const std::string& title, bool is_more);

@@ -54,6 +54,7 @@
 #include "ui/window/gl/theme.h"
 #include "ui/window/main/recent_pictures.h"
 #include "ui/window/panels/export_panel.h"
+#include "ui/window/panels/import_trim.h"
 #include "ui/window/panels/panels.h"
 #include "ui/window/screens/debrief.h"
 #include "ui/window/screens/file_chooser.h"
@@ -194,6 +195,7 @@ class Workshop {
     desktop_.beginFrame();
     handleInput();
     if (panels_.import.shows_guides) drawImportGuides(context_, pixels());
+    drawTrimLine(context_, pixels());
     drawPanels(context_, panels_, over_);
     if (std::exchange(context_.wants_palette, false)) palette_.show();
     if (const AppCommand* const command = drawPalette(context_, palette_)) askForFile(*command);
@@ -308,7 +310,8 @@ class Workshop {
   // During an import an open session pauses; its view returns when the import is closed.
   void updateImport() {
     const ImportSet* const set = bench_.imports->set();
-    import_view_->update(set ? std::optional(set->picture(panels_.import.shows_solid)) : std::nullopt);
+    const bool shows_solid = panels_.import.shows_solid && !bench_.imports->drawing.isOn();
+    import_view_->update(set ? std::optional(set->picture(shows_solid)) : std::nullopt);
     if (set && !camera_before_import_) camera_before_import_ = camera_;
     if (!set && camera_before_import_) {
       if (!view_->isFitWanted()) {
@@ -525,9 +528,27 @@ class Workshop {
     return true;
   }
 
+  // The left button draws a line over a scan in import.
+  bool takesTrim(const InputEvent& e, bool is_on_panel) {
+    TrimDrawing& drawing = bench_.imports->drawing;
+    if (e.key != GLFW_MOUSE_BUTTON_LEFT || !drawing.isOn() || !bench_.imports->plan()) return false;
+    if (e.is_down) {
+      if (!is_on_panel) drawing.press(pointer());
+      return !is_on_panel;
+    }
+    if (!drawing.isDrawing()) return false;
+    std::vector<std::string> words;
+    for (const Pixel& p : drawing.release())
+      for (std::string& word : wordsOf({p[0], p[1]})) words.push_back(std::move(word));
+    const bool is_line = drawing.what() == TrimDrawing::What::kLine;
+    if (!words.empty()) say(runAppCommand(context_, is_line ? "import.trim-line" : "import.trim-lasso", words));
+    return true;
+  }
+
   void button(const InputEvent& e, bool is_on_panel) {
     x_ = e.x;
     y_ = e.y;
+    if (takesTrim(e, is_on_panel)) return;
     SawPicking& picking = bench_.saw->picking;
     if (isPicking(e) && !is_on_panel && e.is_down && bench_.document->isOpen())
       return say(picking.press(*bench_.saw, rayAt(x_, y_)));
@@ -569,6 +590,7 @@ class Workshop {
     x_ = e.x;
     y_ = e.y;
     is_led_by_device_ = false;
+    if (bench_.imports->drawing.isDrawing()) return bench_.imports->drawing.move(pointer());
     if (panels_.piece_drag.isOn()) return panels_.piece_drag.move(context_, pointer());
     stroke_.move(context_, pointer(), heldKeys(e.modifiers));
     if (bench_.strokes->isPressed() && !bench_.strokes->isOnPedal()) return;
@@ -581,6 +603,7 @@ class Workshop {
   }
 
   void scroll(double notches) {
+    if (bench_.imports->drawing.isDrawing()) return;  // the line is one of pixels
     if (bench_.strokes->isPressed())
       return runIfEnabled(context_, notches < 0 ? "cut.deeper" : "cut.shallower",
                           wordsOf({std::min(kNotch * std::abs(notches), bench_.strokes->mostDepth())}));

@@ -18,6 +18,7 @@
 #include "ui/window/frame/frame_layout.h"
 #include "ui/window/gl/theme.h"
 #include "ui/window/gl/widgets.h"
+#include "ui/window/panels/import_trim.h"
 
 namespace kerf {
 namespace {
@@ -126,6 +127,13 @@ void drawClosing(AppContext& context, ImportPlan& plan) {
                           ImGuiSliderFlags_AlwaysClamp))
         choice.smooth_mm = std::round(static_cast<double>(smooth));
     }
+    float trim = static_cast<float>(choice.trim_rim_mm);
+    ImGui::SetNextItemWidth(-1);
+    if (ui::sliderFloat("##trim-rim", &trim, 0, static_cast<float>(ImportPlan::kWidestRimTrim),
+                        trim > 0 ? "rim trimmed of tongues under %.1f mm" : "rim as scanned",
+                        ImGuiSliderFlags_AlwaysClamp))
+      choice.trim_rim_mm = 0.1 * std::round(10 * static_cast<double>(trim));
+    if (ImGui::IsItemHovered()) ui::setTooltip("Removes tongues and flakes of the rim narrower than this.");
     if (plan.found().has_occlusal_plane)
       ui::checkbox("Base parallel to the occlusal plane", &choice.follows_occlusal_plane);
     else
@@ -139,7 +147,7 @@ void drawClosing(AppContext& context, ImportPlan& plan) {
                         ImGuiSliderFlags_AlwaysClamp))
       choice.wrap_mm = 0.1 * std::round(10 * static_cast<double>(wrap));
   }
-  if (!plan.found().check.isClosed() && choice.way != Way::kBase) {
+  if (!plan.check().isClosed() && choice.way != Way::kBase) {
     bool is_given = choice.holes_up_to_mm.has_value();
     if (ui::checkbox("Set the hole size limit", &is_given))
       choice.holes_up_to_mm = is_given ? std::optional(20.0) : std::nullopt;
@@ -346,7 +354,8 @@ void drawPreview(AppContext& context, ImportSet& set, PreviewedPlan& plan, Impor
   if (set.scan()) {
     if (ui::radioButton("Closed solid", state.shows_solid)) state.shows_solid = true;
     ImGui::SameLine();
-    if (ui::radioButton("Scan as read", !state.shows_solid)) state.shows_solid = false;
+    if (ui::radioButton(set.scan()->trimmed() ? "Cut scan" : "Scan as read", !state.shows_solid))
+      state.shows_solid = false;
     ImGui::SameLine();
   }
   ui::checkbox("Guides", &state.shows_guides);
@@ -429,6 +438,7 @@ void drawImportPanel(AppContext& context, ImportPanelState& state) {
     if (!set->isSeveral()) drawRole(context, chosen);
     drawUnits(context, *plan);
     if (ToolPlan* const tool = set->tool()) drawTool(context, *tool);
+    if (!set->tool()) drawTrims(context, *plan);
     drawClosing(context, *plan);
     if (!set->tool()) drawVoxel(*plan, plan->choice().voxel_mm > 0);
   } else if (LabelPlan* const labels = set->labels()) {
