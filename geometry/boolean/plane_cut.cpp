@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <utility>
 
 #include "geometry/boolean/boolean.h"
@@ -268,7 +269,64 @@ Expected<std::vector<Plane>> normalized(std::span<const Plane> planes) {
   return out;
 }
 
+// The hole as a closed prism; both ends are fans. `turn` of a side sets its edges off.
+Mesh prismOf(const RoundHole& hole, double turn, double longer_mm) {
+  constexpr std::uint32_t kSides = 64;
+  const Vec3d u = hole.axis.unitOrthogonal(), v = hole.axis.cross(u);
+  Mesh out;
+  for (const double along : {-longer_mm, hole.depth + longer_mm}) {
+    for (std::uint32_t n = 0; n < kSides; ++n) {
+      const double angle = 2 * std::numbers::pi * (n + turn) / kSides;
+      out.vertices.push_back(hole.mouth + along * hole.axis +
+                             0.5 * hole.diameter * (std::cos(angle) * u + std::sin(angle) * v));
+    }
+    out.vertices.push_back(hole.mouth + along * hole.axis);
+  }
+  constexpr std::uint32_t kTop = kSides + 1;
+  for (std::uint32_t n = 0; n < kSides; ++n) {
+    const std::uint32_t next = (n + 1) % kSides;
+    out.triangles.push_back({kSides, next, n});
+    out.triangles.push_back({kTop + kSides, kTop + n, kTop + next});
+    out.triangles.push_back({n, next, kTop + next});
+    out.triangles.push_back({n, kTop + next, kTop + n});
+  }
+  return out;
+}
+
+Error notPrintable(std::string why, const char* what) {
+  return {.code = Error::Code::kGeometry,
+          .place = what,
+          .found = std::move(why),
+          .expected = "a printable mesh",
+          .hint = "move it by some hundredths of a millimetre, or kerf check on the source"};
+}
+
+// A plane through vertices of the object, or float32, may spoil a cut: then it is tried some 0.1 um farther.
+constexpr int kAttempts = 8;
+constexpr double kShift = 0.00013;  // mm
+
 }  // namespace
+
+Expected<std::optional<PostOpMesh>> withHole(const Mesh& source, const RoundHole& hole, const PostOpOptions& options) {
+  const double crumb = std::min(kCrumb, options.crumb_fraction * signedVolume(source));
+  Error last;
+  for (int n = 0; n < kAttempts; ++n) {
+    auto cut = subtract(source, prismOf(hole, 0.137 * n, n * kShift));
+    if (!cut) {
+      last = cut.error();
+      continue;
+    }
+    if (cut->mesh.triangles.empty()) return fail(notPrintable("nothing of the object is left", "round hole"));
+    const bool is_same =
+        cut->mesh.triangles.size() == source.triangles.size() &&
+        std::find(cut->from_triangle.begin(), cut->from_triangle.end(), kNoSource) == cut->from_triangle.end();
+    if (is_same) return std::optional<PostOpMesh>{};
+    KERF_TRY(done, internal::finishCut(source, std::move(*cut), kCleanupLength, crumb, options));
+    if (done.why_not.empty()) return std::optional(std::move(done.result));
+    last = notPrintable(done.why_not, "round hole");
+  }
+  return fail(last);
+}
 
 Expected<PlaneCut> cutByPlanes(const Mesh& source, std::span<const Plane> asked, const PlaneCutOptions& options,
                                const Progress& progress) {
@@ -304,9 +362,6 @@ Expected<PlaneCut> cutByPlanes(const Mesh& source, std::span<const Plane> asked,
     around = std::move(found);
   }
 
-  // A plane through vertices of the object, or float32, may spoil a cut: then it is tried some 0.1 um farther.
-  constexpr int kAttempts = 8;
-  constexpr double kShift = 0.00013;  // mm
   Error last;
   for (int n = 1; n <= kAttempts; ++n) {
     if (!report(progress, (n - 1) / double{kAttempts}, "cutting")) return cancelled();
@@ -317,12 +372,7 @@ Expected<PlaneCut> cutByPlanes(const Mesh& source, std::span<const Plane> asked,
       tried->cut.shift_mm = std::abs(shift);
       return std::move(tried->cut);
     }
-    last = tried ? Error{.code = Error::Code::kGeometry,
-                         .place = "plane cut",
-                         .found = tried->why_not,
-                         .expected = "a printable mesh",
-                         .hint = "move the plane by some hundredths of a millimetre, or kerf check on the source"}
-                 : tried.error();
+    last = tried ? notPrintable(tried->why_not, "plane cut") : tried.error();
     if (last.code == Error::Code::kEmpty) break;
   }
   return fail(last);

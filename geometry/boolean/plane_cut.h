@@ -1,5 +1,5 @@
 // Cuts a solid by planes into the part above all of them and the rest; flat faces close both. Above is the side that a
-// normal points to.
+// normal points to. And drills a round hole.
 #pragma once
 
 #include <optional>
@@ -8,6 +8,7 @@
 
 #include "geometry/base/error.h"
 #include "geometry/base/progress.h"
+#include "geometry/base/round_hole.h"
 #include "geometry/base/types.h"
 #include "geometry/boolean/post_op_mesh.h"
 #include "geometry/mesh/mesh.h"
@@ -41,5 +42,11 @@ Expected<PlaneCut> cutByPlanes(const Mesh& source, std::span<const Plane> planes
                                const Progress& progress = {});
 
 inline constexpr std::size_t kMostCutPlanes = 64;
+
+/// The solid minus a round hole, a prism of 64 sides inscribed in it: at most 1.3 um inside a hole of 2 mm. The
+/// guarantees and errors of cutByPlanes(). None: the hole does not meet the solid.
+/// @pre usable.   @cost  as a boolean: 0.2 s for 200k triangles. @thread any; deterministic.
+Expected<std::optional<PostOpMesh>> withHole(const Mesh& source, const RoundHole& hole,
+                                             const PostOpOptions& options = {});
 
 }  // namespace kerf

@@ -134,7 +134,7 @@ std::unique_ptr<ObjectPieces> makePlaneParts(const CutObject& whole, const CutPl
   }
 
   // Without a kerf both parts together are the whole, but for the rounding of nodes at the plane.
-  const bool loses = keep != PlaneKeep::kBoth || planes.kerf_mm > 0;
+  const bool loses = keep != PlaneKeep::kBoth || planes.kerf_mm > 0 || planes.hasHole();
   double sum = 0;
   for (std::size_t m = 0; m < lost.size(); ++m) {
     lost[m] = loses ? std::max(lost[m], 0.0) : 0.0;

@@ -77,13 +77,15 @@ constexpr std::tuple kRows{
         Field{&PlaceTool::translation, {"x y z", "mm", "translation of T_world_tool, shorter than 1e5"}},
         Field{&PlaceTool::rotation, {"qw qx qy qz", "", "rotation of T_world_tool, a unit quaternion"}}),
     row("object.cut",
-        "Cuts an object by planes: the part above all of them and the rest become objects; one undo step.", kUser,
-        Field{&CutByPlanes::object, kObject},
+        "Cuts an object by planes: the part above all of them and the rest become objects; one undo step. A round hole "
+        "is lost from both; without planes KEEP is 1.",
+        kUser, Field{&CutByPlanes::object, kObject},
         Field{&CutByPlanes::keep, {"KEEP", "", "parts that stay: 0 both, 1 above, 2 the rest"}},
-        Field{&CutByPlanes::planes,
-              {"kerf nx ny nz x y z ...", "mm",
-               "width lost along the planes; unit normal and point of 1 to 4 planes, in the frame of the object as "
-               "loaded"}}),
+        Field{
+            &CutByPlanes::planes,
+            {"kerf nx ny nz x y z ... [hole d l ax ay az x y z]", "mm",
+             "width lost along the planes; unit normal and point of up to 5 planes; diameter, depth, axis (unit, into "
+             "the material) and mouth of a round hole; in the frame of the object as loaded"}}),
 };
 
 constexpr std::size_t kCount = std::variant_size_v<Command>;
@@ -167,18 +169,23 @@ struct ArrayText {
 
 // Takes all words that are left.
 struct PlanesText {
+  static constexpr std::string_view kHole = " hole";
   static void print(std::string& to, const CutPlanes& planes) {
     Text<double>::print(to, planes.kerf_mm);
     for (std::size_t n = 0; n < planes.count; ++n) ArrayText<double, 6>::print(to, planes.numbers[n]);
+    if (!planes.hasHole()) return;
+    to += kHole;
+    ArrayText<double, 8>::print(to, planes.hole_numbers);
   }
   static bool take(Words& from, CutPlanes& planes) {
     planes = {};
     if (!Text<double>::take(from, planes.kerf_mm)) return false;
-    do {
-      if (!ArrayText<double, 6>::take(from, planes.numbers[planes.count])) return false;
-      ++planes.count;
-    } while (!from.empty() && planes.count < CutPlanes::kMost);
-    return true;
+    const auto isHole = [&] { return !from.empty() && from.front() == kHole.substr(1); };
+    while (!isHole() && planes.count < CutPlanes::kMost && (!from.empty() || planes.count == 0))
+      if (!ArrayText<double, 6>::take(from, planes.numbers[planes.count++])) return false;
+    if (!isHole()) return true;
+    from = from.subspan(1);
+    return ArrayText<double, 8>::take(from, planes.hole_numbers);
   }
 };
 

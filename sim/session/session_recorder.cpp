@@ -27,7 +27,7 @@ struct Entry {
   std::array<std::byte, kMostPayload> payload;  // `size` bytes are valid
   Command command;                              // of a command record: printed by the recording thread
 };
-static_assert(sizeof(Entry) == 336, "RecorderOptions::queue_capacity says so");
+static_assert(sizeof(Entry) == 448, "RecorderOptions::queue_capacity says so");
 
 // One writer: a load and a store are cheaper than fetch_add, and as good.
 void countOne(std::atomic<std::uint64_t>& n) noexcept {

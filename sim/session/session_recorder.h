@@ -21,7 +21,7 @@ enum class RecordStatus : std::uint8_t {
 };
 
 struct RecorderOptions {
-  /// Samples, commands, checks and marks that may wait for the disk; each takes 336 bytes, allocated once. 8192 is
+  /// Samples, commands, checks and marks that may wait for the disk; each takes 448 bytes, allocated once. 8192 is
   /// eight seconds of samples. Too few and a slow disk makes gaps.
   std::size_t queue_capacity = 8192;
   /// Longest time in memory: a killed program loses that much. Well below it, a write holds no more than a few samples.

@@ -14,6 +14,8 @@
 namespace kerf {
 namespace {
 
+constexpr std::uint32_t kHasHole = 1u << 16;  // in the count of a cut's planes
+
 constexpr std::uint32_t kStateVersion = 8;
 
 // Little-endian, doubles with every bit.
@@ -128,9 +130,11 @@ void packObject(const CutObject& object, const ContactTurns& turns, std::size_t 
     to.u32(side.cut);
     to.u32(side.is_above);
     to.f64(side.planes.kerf_mm);
-    to.u32(side.planes.count);
+    to.u32(side.planes.count | (side.planes.hasHole() ? kHasHole : 0));
     for (std::size_t p = 0; p < side.planes.count; ++p)
       for (const double number : side.planes.numbers[p]) to.f64(number);
+    if (side.planes.hasHole())
+      for (const double number : side.planes.hole_numbers) to.f64(number);
   }
 
   // A piece's first bricks; then, for any object, air bricks that it took on.
@@ -197,9 +201,12 @@ PlaneSides readPlaneSides(Reader& from) {
     side.cut = from.u32();
     side.is_above = from.u32() != 0;
     side.planes.kerf_mm = from.f64();
-    side.planes.count = std::min<std::uint32_t>(from.u32(), CutPlanes::kMost + 1);
+    const std::uint32_t count = from.u32();
+    side.planes.count = std::min<std::uint32_t>(count & ~kHasHole, CutPlanes::kMost + 1);
     for (std::size_t p = 0; p < std::min<std::size_t>(side.planes.count, CutPlanes::kMost); ++p)
       for (double& number : side.planes.numbers[p]) number = from.f64();
+    if (count & kHasHole)
+      for (double& number : side.planes.hole_numbers) number = from.f64();
     from.is_good = from.is_good && side.planes.isUsable();
   }
   return out.empty() ? nullptr : std::make_shared<const std::vector<PlaneSide>>(std::move(out));

@@ -23,13 +23,12 @@ double heightOf(const Sides& sides, const Vec3d& p) {
   return out;
 }
 
-// The point on the other side of the plane that is nearest.
+// The point on the other side of the plane, or of the wall of the hole, that is nearest.
 Vec3d mirrored(const Sides& sides, const Vec3d& p, double height) {
   const PlaneSide* lowest = &sides.front();
   for (const PlaneSide& side : sides)
     if (side.planes.height(p, side.is_above) < lowest->planes.height(p, lowest->is_above)) lowest = &side;
-  const Vec3d normal = lowest->planes.plane(lowest->planes.nearest(p)).normal;
-  return p - 2 * height * (lowest->is_above ? normal : Vec3d(-normal));
+  return p - 2 * height * lowest->planes.upwards(p, lowest->is_above);
 }
 
 // The value as cut where it is known, else as loaded.
@@ -38,17 +37,25 @@ float valueAt(const BrickField& changed, const BrickField& phi0, const Vec3i& no
   return known ? (*known)[static_cast<std::size_t>(nodeOffset(node[0], node[1], node[2]))] : phi0.at(node);
 }
 
-double sampleAt(const BrickField& changed, const BrickField& phi0, const Vec3d& p) {
+// The value at a point of the piece if a stroke changed a node of it around there, else none: not the air beside the
+// object, which lies elsewhere on the other side of a plane.
+std::optional<double> strokeAt(const Sides& sides, const BrickField& changed, const BrickField& phi0, const Vec3d& p) {
   const Vec3d nodes = p / phi0.voxel();
   const Vec3i base = nodes.array().floor().cast<int>();
   const Vec3d part = nodes - base.cast<double>();
   double out = 0;
+  bool is_stroke = false;
   for (int n = 0; n < 8; ++n) {
-    const Vec3i step(n & 1, n >> 1 & 1, n >> 2);
+    const Vec3i step(n & 1, n >> 1 & 1, n >> 2), node = base + step;
     double weight = 1;
     for (int c = 0; c < 3; ++c) weight *= step[c] ? part[c] : 1 - part[c];
-    if (weight > 0) out += weight * static_cast<double>(valueAt(changed, phi0, base + step));
+    if (!(weight > 0)) continue;
+    const float value = valueAt(changed, phi0, node);
+    out += weight * static_cast<double>(value);
+    const double height = heightOf(sides, phi0.position(node));
+    is_stroke |= height >= 0 && value > planePartValue(phi0.at(node), height, phi0.background());
   }
+  if (!is_stroke) return {};
   return out;
 }
 
@@ -77,8 +84,8 @@ SideFields fieldsOn(const Sides& sides, const BrickField& phi0, const BrickField
       if (height >= 0 || now[i] >= std::min(static_cast<float>(-height), background)) continue;
       // Another piece lies there.
       const Vec3d inside = mirrored(sides, p, height);
-      const auto cut = static_cast<float>(sampleAt(changed, phi0, inside));
-      now[i] = std::max(begin[i], std::min(cut, background));
+      const auto cut = strokeAt(sides, changed, phi0, inside);
+      now[i] = cut ? std::max(begin[i], std::min(static_cast<float>(*cut), background)) : begin[i];
     }
     out.begin.brick(out.begin.touch(coord)) = begin;
     if (now != begin) out.changed.add(coord, now);
@@ -138,12 +145,18 @@ void keepSolids(PostOpMesh& part, std::span<const RunManifest::Piece> pieces, co
 // A further cut of a part: the report keeps what happened before.
 Expected<void> cutOnce(PostOpMesh& part, const PlaneSide& side, const PostOpOptions& options,
                        const Progress& progress) {
-  PlaneCutOptions by;
-  by.kerf_mm = side.planes.kerf_mm;
-  by.post_op = options;
-  auto cut = cutByPlanes(part.mesh, side.planes.planes(), by, progress);
-  if (!cut) return fail(std::move(cut).error());
-  part = std::move(side.is_above ? cut->above : cut->rest);
+  if (side.planes.count > 0) {
+    PlaneCutOptions by;
+    by.kerf_mm = side.planes.kerf_mm;
+    by.post_op = options;
+    auto cut = cutByPlanes(part.mesh, side.planes.planes(), by, progress);
+    if (!cut) return fail(std::move(cut).error());
+    part = std::move(side.is_above ? cut->above : cut->rest);
+  }
+  if (!side.planes.hasHole()) return {};
+  auto drilled = withHole(part.mesh, side.planes.hole(), options);
+  if (!drilled) return fail(std::move(drilled).error());
+  if (*drilled) part = std::move(**drilled);
   return {};
 }
 
@@ -193,6 +206,21 @@ void countTogether(PostOpMesh& all, const Mesh& solid) {
 
 bool areCutByPlanes(std::span<const RunManifest::Piece> pieces) {
   return std::any_of(pieces.begin(), pieces.end(), [](const auto& piece) { return !piece.sides.empty(); });
+}
+
+std::size_t countTouching(std::span<const RunManifest::Piece> pieces, bool is_put_back) {
+  const auto isAcross = [](const PlaneSide& a, const PlaneSide& b) {
+    return a.cut == b.cut && a.is_above != b.is_above && a.planes.kerf_mm == 0;
+  };
+  const auto isMoved = [&](const RunManifest::Piece& piece) { return piece.isMoved() && !is_put_back; };
+  const auto touches = [&](const RunManifest::Piece& piece) {
+    for (const RunManifest::Piece& other : pieces)
+      for (const PlaneSide& a : piece.sides)
+        for (const PlaneSide& b : other.sides)
+          if (isAcross(a, b) && !isMoved(piece) && !isMoved(other)) return true;
+    return false;
+  };
+  return static_cast<std::size_t>(std::count_if(pieces.begin(), pieces.end(), touches));
 }
 
 Expected<PostOpMesh> planePartsMesh(const Mesh& solid, const BrickField& phi0, const BrickField& changed,

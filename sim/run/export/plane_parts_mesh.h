@@ -13,6 +13,10 @@ namespace kerf {
 
 /// True if a plane cut any of them.
 bool areCutByPlanes(std::span<const RunManifest::Piece> pieces);
+/// Pieces that share a cut face with another one: cut without a kerf, and both where they were loaded. One file of both
+/// is no printable solid, though each piece is.
+/// @param is_put_back  counts moved pieces as well.
+std::size_t countTouching(std::span<const RunManifest::Piece> pieces, bool is_put_back = false);
 
 /// The solid minus the strokes, cut by the planes of each piece with cutByPlanes(), in the order of the cuts. Pieces
 /// with the same sides share one mesh; a part that left the scene is not in the result. Without strokes the result is

@@ -156,7 +156,7 @@ BrickField withoutPlaneFaces(BrickField cut, const BrickField& phi0, std::span<c
       if (now == before || now > 0) continue;
       const Vec3d p = phi0.position(coord * kBrickSide + Vec3i{n >> 6, n >> 3 & 7, n & 7});
       for (const CutPlanes& planes : closed)
-        if (now == std::max(before, -static_cast<float>(std::abs(planes.height(p, true))))) now = before;
+        if (now == std::max(before, -static_cast<float>(std::abs(planes.heightAtPlanes(p, true))))) now = before;
     }
   }
   return cut;

@@ -96,17 +96,20 @@ Expected<void> readPlaneSides(TomlTable& of_piece, const fs::path& path, RunMani
     if (of != "above" && of != "rest") t.reject("side", "\"" + of + "\"", "\"above\" or \"rest\"");
     side.is_above = of == "above";
     side.planes.kerf_mm = t.number("kerf_mm", 0, CutPlanes::kMostKerf, "mm");
-    const auto count = static_cast<std::size_t>(t.number("planes", 1, CutPlanes::kMost, "a count"));
-    const std::vector<double> numbers = t.numbers("normals_and_points", 6 * count);
+    const auto count = static_cast<std::size_t>(t.number("planes", 0, CutPlanes::kMost, "a count"));
+    std::vector<double> numbers, hole;
+    if (count > 0) numbers = t.numbers("normals_and_points", 6 * count);
+    if (t.has("hole")) hole = t.numbers("hole", side.planes.hole_numbers.size());
     KERF_CHECK(t.finish());
+    std::copy(hole.begin(), hole.end(), side.planes.hole_numbers.begin());
     for (std::size_t n = 0; n < 6 * count; ++n) side.planes.numbers[n / 6][n % 6] = numbers[n];
     side.planes.count = static_cast<std::uint32_t>(count);
     if (!side.planes.isUsable())
       return fail({.code = Error::Code::kUnsupported,
                    .file = path.string(),
                    .place = name,
-                   .found = "a normal that is no unit vector, or a point out of range",
-                   .expected = "unit normals, and points below 1e5 mm",
+                   .found = "a normal that is no unit vector, or a number out of range",
+                   .expected = "planes or a hole with unit vectors, and points below 1e5 mm",
                    .hint = "cut again; runs must not be edited"});
     piece.sides.push_back(side);
   }
@@ -284,11 +287,17 @@ Expected<void> writeRunManifest(const fs::path& folder, const RunManifest& m) {
       toml::array numbers;
       for (std::size_t k = 0; k < side.planes.count; ++k)
         for (const double number : side.planes.numbers[k]) numbers.push_back(number);
-      sides.push_back(toml::table{{"cut", static_cast<std::int64_t>(side.cut)},
-                                  {"side", side.is_above ? "above" : "rest"},
-                                  {"kerf_mm", side.planes.kerf_mm},
-                                  {"planes", static_cast<std::int64_t>(side.planes.count)},
-                                  {"normals_and_points", std::move(numbers)}});
+      toml::table cut{{"cut", static_cast<std::int64_t>(side.cut)},
+                      {"side", side.is_above ? "above" : "rest"},
+                      {"kerf_mm", side.planes.kerf_mm},
+                      {"planes", static_cast<std::int64_t>(side.planes.count)}};
+      if (!numbers.empty()) cut.insert("normals_and_points", std::move(numbers));
+      if (side.planes.hasHole()) {
+        toml::array hole;
+        for (const double number : side.planes.hole_numbers) hole.push_back(number);
+        cut.insert("hole", std::move(hole));
+      }
+      sides.push_back(std::move(cut));
     }
     if (!sides.empty()) row.insert("plane_cut", std::move(sides));
     pieces.push_back(std::move(row));

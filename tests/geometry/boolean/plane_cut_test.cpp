@@ -182,5 +182,45 @@ TEST(PlaneCut, ColoursStayAndCutFacesHaveTheirOwn) {
   }
 }
 
+TEST(RoundHole, IsAPrismInTheSolidAndBesideItNothing) {
+  const Mesh ball = ballMesh({12, -7, 31}, kRadius, 40);
+  const RoundHole hole{{12.1, -7.2, 27}, Vec3d(0.05, 0.02, 1).normalized(), 1.6, 4};
+  const auto drilled = withHole(ball, hole);
+  ASSERT_TRUE(drilled) << drilled.error().message();
+  ASSERT_TRUE(*drilled);
+  expectPrintable(**drilled);
+  EXPECT_EQ((*drilled)->report.cavities, 0u);
+  for (std::size_t v = 0; v < (*drilled)->mesh.vertices.size(); ++v)
+    EXPECT_GT(hole.outside((*drilled)->mesh.vertices[v]), -2e-3);
+  // About 3 mm of its length lie in the ball.
+  const double gone = signedVolume(ball) - signedVolume((*drilled)->mesh);
+  EXPECT_NEAR(gone, std::numbers::pi * 0.8 * 0.8 * 2.9, 0.3);
+
+  const auto again = withHole(ball, hole);
+  EXPECT_EQ((*again)->mesh.vertices, (*drilled)->mesh.vertices);
+  const auto beside = withHole(ball, {{20, 0, 0}, Vec3d::UnitZ(), 2, 5});
+  ASSERT_TRUE(beside);
+  EXPECT_FALSE(*beside);
+  const auto inner = withHole(ball, {{12, -7, 30}, Vec3d::UnitX(), 1, 1});
+  ASSERT_TRUE(inner && *inner);
+  EXPECT_EQ((**inner).report.cavities, 1u);
+}
+
+TEST(RoundHole, OutsideIsTheDistanceAndGrowsOutwards) {
+  const RoundHole hole{{1, 2, 3}, Vec3d::UnitZ(), 2, 4};
+  EXPECT_DOUBLE_EQ(hole.outside({1, 2, 5}), -1);
+  EXPECT_DOUBLE_EQ(hole.outside({4, 2, 5}), 2);
+  EXPECT_DOUBLE_EQ(hole.outside({1, 2, 9}), 2);
+  EXPECT_DOUBLE_EQ(hole.outside({5, 2, 10}), std::hypot(3, 3));
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> any(-3, 3);
+  for (int n = 0; n < 200; ++n) {
+    const Vec3d p = Vec3d(1, 2, 5) + Vec3d(any(random), any(random), any(random));
+    const double at = hole.outside(p), step = 1e-4;
+    if (at > 0) continue;
+    EXPECT_NEAR(hole.outside(p + step * hole.outwards(p)), at + step, 1e-9) << p.transpose();
+  }
+}
+
 }  // namespace
 }  // namespace kerf::plane_cut_test

@@ -92,8 +92,11 @@ TEST(Command, TextsAreThoseOfTheLogFormat) {
       {SplitObject{0, 0.1}, "pieces.split 0 0.1"},
       {SplitObject{0, 1}, "pieces.split 0 1"},
       {PlaceTool{{0, 0.05, -0.0}, {1, 0, 0, 1e-12}}, "tool.place 0 0.05 -0 1 0 0 1e-12"},
-      {CutByPlanes{2, 1, {0.3, 1, {{{0, 0, 1, 5, 6, 7.5}}}}}, "object.cut 2 1 0.3 0 0 1 5 6 7.5"}};
-  EXPECT_EQ(std::size(texts), std::variant_size_v<Command> + 2);
+      {CutByPlanes{2, 1, {0.3, 1, {{{0, 0, 1, 5, 6, 7.5}}}}}, "object.cut 2 1 0.3 0 0 1 5 6 7.5"},
+      {CutByPlanes{0, 1, {0, 0, {}, {2, 5, 0, 0, 1, 7, 8, 9}}}, "object.cut 0 1 0 hole 2 5 0 0 1 7 8 9"},
+      {CutByPlanes{0, 0, {0.1, 1, {{{0, 0, 1, 5, 6, 7.5}}}, {2, 5, 0, 0, 1, 7, 8, 9}}},
+       "object.cut 0 0 0.1 0 0 1 5 6 7.5 hole 2 5 0 0 1 7 8 9"}};
+  EXPECT_EQ(std::size(texts), std::variant_size_v<Command> + 4);
   for (const auto& [command, text] : texts) {
     EXPECT_EQ(printCommand(command), text);
     EXPECT_EQ(*parseCommand(text), command);
@@ -129,6 +132,7 @@ TEST(Command, OtherTextIsRefusedWithWhatWasFoundAndWhatIsExpected) {
                         {"pieces.split", "ends too early", "pieces.split N [V]"},
                         {"object.cut 0 0 0", "ends too early", "object.cut N KEEP kerf nx ny nz x y z ..."},
                         {"object.cut 0 0 0 0 0 1 0 0", "ends too early", "object.cut N KEEP"},
+                        {"object.cut 0 1 0 hole 2 5 0 0 1", "ends too early", "object.cut N KEEP"},
                         {"pieces.split 0 much", "\"much\" in it", "with V: smaller pieces are crumbs"},
                         {"pieces.split 0 1 2", "\"2\" behind its end", "pieces.split N [V]"}};
   for (const Case& c : cases) {

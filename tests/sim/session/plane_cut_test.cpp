@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <numbers>
 #include <random>
 
 #include "geometry/mesh/mesh_check.h"
@@ -78,8 +79,9 @@ TEST(PlaneCutOfASession, EveryNodeOfAPartIsTheGreaterOfFieldAndPlane) {
     const Vec3d normal = Vec3d(number(-1, 1), number(-1, 1), number(-1, 1)).normalized();
     const bool is_above = n % 2 == 0;
     const Vec3d point(number(-0.5, 0.5), number(-0.5, 0.5), number(-0.9, -0.1));
-    const CutByPlanes cut =
+    CutByPlanes cut =
         cutBy(is_above ? PlaneKeep::kAbove : PlaneKeep::kBelow, {point, normal}, n % 3 == 0 ? 0 : number(0, 0.3));
+    if (n % 4 > 1) cut.planes.setHole({{number(-1, 1), number(-1, 1), -1.5}, Vec3d(0.1, 0, 1).normalized(), 0.7, 1.2});
     const BrickField before = session.state().objects[0].bricks().field();
     ASSERT_TRUE(session.apply(cut)) << printCommand(cut);
     const CutObject& part = session.state().objects[0];
@@ -146,6 +148,20 @@ TEST_F(PlaneCutSession, APlaneBesideTheObjectAndBadNumbersAreRefused) {
   EXPECT_FALSE(session_.canUndo());
 }
 
+TEST_F(PlaneCutSession, AHoleAloneIsLostAndUndone) {
+  CutByPlanes cut{0, static_cast<std::uint8_t>(PlaneKeep::kAbove), {}};
+  cut.planes.setHole({{0.5, 0.1, -1.5}, Vec3d::UnitZ(), 1, 1});
+  const std::uint64_t hash = session_.hash();
+  ASSERT_TRUE(session_.apply(cut));
+  ASSERT_EQ(objects_.size(), 1u);
+  EXPECT_NEAR(volumeOf(objects_[0]), 12 - 0.25 * std::numbers::pi * 0.5, 0.1) << "in voxels of 0.1 mm";
+  EXPECT_GT(session_.undoList().newest[0].removed_mm3, 0.3);
+  cut.keep = static_cast<std::uint8_t>(PlaneKeep::kBoth);
+  EXPECT_FALSE(session_.apply(cut)) << "without planes there is no rest";
+  ASSERT_TRUE(session_.apply(Undo{}));
+  EXPECT_EQ(session_.hash(), hash);
+}
+
 // A box of the same size as test::block({6, 2, 1}).
 Mesh boxMesh() {
   Mesh out;
@@ -202,6 +218,45 @@ TEST(PlaneCutExport, StrokesAcrossThePlaneAreExportedToBothFaces) {
   }
 }
 
+// A block with tapered sides, a base and a hole from below through both parts.
+CutByPlanes dieCut() {
+  CutByPlanes cut = cutBy(PlaneKeep::kBoth, {{-0.52, 0, 0}, Vec3d(1, 0, 0.05).normalized()}, 0.1);
+  cut.planes.add({{0.48, 0, 0}, Vec3d(-1, 0, 0.05).normalized()});
+  cut.planes.add({{0, -0.53, 0}, Vec3d(0, 1, 0.05).normalized()});
+  cut.planes.add({{0, 0.47, 0}, Vec3d(0, -1, 0.05).normalized()});
+  cut.planes.add({{0, 0, -0.71}, {0, 0, 1}});
+  cut.planes.setHole({{0, 0, -1.5}, Vec3d::UnitZ(), 0.4, 1.2});
+  return cut;
+}
+
+TEST(PlaneCutExport, ADieHasItsHoleAndSoHasTheModel) {
+  Session session(ballModel(), {test::block({6, 2, 1}, 0.1)}, at(0, 0, 3));
+  ASSERT_TRUE(session.apply(dieCut()));
+  ASSERT_EQ(session.state().objects.size(), 2u);
+  const internal::Objects objects = internal::objectsOf(session, 0);
+  const std::vector<BrickField> fields = internal::fieldsOf(objects);
+  const std::vector<RunManifest::Piece> pieces = internal::piecesOf(objects, fields, {});
+  std::vector<FieldPart> parts;
+  for (const BrickField& field : fields) parts.push_back({.begin = &field});
+  const BrickField& phi0 = objects.front()->baked().phi0();
+  const auto made = planePartsMesh(boxMesh(), phi0, joinedChanges(phi0, parts), pieces);
+  ASSERT_TRUE(made) << made.error().message();
+  EXPECT_TRUE(checkMesh(made->mesh).print_ready) << "with a kerf both fit one file";
+  const auto placed = placedPieces(made->mesh, pieces);
+  ASSERT_TRUE(placed) << placed.error().message();
+  ASSERT_EQ(placed->size(), 2u);
+  const RoundHole hole = dieCut().planes.hole();
+  for (const PlacedPiece& piece : *placed) {
+    EXPECT_TRUE(checkMesh(piece.mesh).print_ready);
+    std::size_t on_wall = 0;
+    for (const Vec3d& p : piece.mesh.vertices) {
+      EXPECT_GT(hole.outside(p), -2e-3);
+      on_wall += std::abs(hole.outside(p)) < 2e-3;
+    }
+    EXPECT_GE(on_wall, 64u);
+  }
+}
+
 TEST(PlaneCutLog, ReplayAndSnapshotGiveTheSameBits) {
   const TemporaryFile file("session.log", "");
   std::filesystem::remove(file.path());
@@ -221,7 +276,9 @@ TEST(PlaneCutLog, ReplayAndSnapshotGiveTheSameBits) {
     ASSERT_TRUE(session.apply(cutBy(PlaneKeep::kBoth, kAcross)));
     drill(1.5);
     drill(0.31);  // through both faces
-    ASSERT_TRUE(session.apply(cutBy(PlaneKeep::kBelow, {{0, 0.2, 0}, {0, 1, 0}}, 0, 1)));
+    CutByPlanes last = cutBy(PlaneKeep::kBelow, {{0, 0.2, 0}, {0, 1, 0}}, 0, 1);
+    last.planes.setHole({{-1.3, -0.4, -1.5}, Vec3d::UnitZ(), 0.5, 1});
+    ASSERT_TRUE(session.apply(last));
     session.tick(test::sampleAt(at(0, 0, 3), 0), out);
 
     const auto bytes = session.snapshot();
