@@ -1,6 +1,8 @@
 // Cutting at once by a plane: exact in the file, undone, replayed, continued.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "geometry/boolean/plane_cut.h"
 #include "geometry/case/case_bundle.h"
 #include "geometry/mesh/mesh_check.h"
@@ -9,6 +11,7 @@
 #include "tests/ui/block_on_bench.h"
 #include "ui/app/document/document.h"
 #include "ui/app/document/jobs.h"
+#include "ui/app/workbench/export_plan.h"
 #include "ui/app/workbench/sawing.h"
 #include "ui/app/workbench/sessions.h"
 #include "ui/app/workbench/steps.h"
@@ -89,6 +92,37 @@ TEST_F(CutAtOnce, BothPartsAreExportedAndAContinuedSessionHasBoth) {
   until([&] { return !bench_.jobs->running() && bench_.document->scene().triangleCount() > 0; });
   ASSERT_TRUE(bench_.document->isOpen());
   until([&] { return pieces() == 2; });
+}
+
+TEST_F(CutAtOnce, HalvesThatTouchGetAFileEachUnlessOneFileIsChosen) {
+  ASSERT_TRUE(command("saw.plane", {"0.13", "0", "-0.2", "1", "0", "0"}));
+  ASSERT_TRUE(cut("both"));
+  until([&] { return bench_.document->scene().pieceCount() == 2; });
+  ExportPlan& plan = *bench_.exporting;
+  plan.show(folder_.path());
+  until([&] { return plan.stage() == ExportPlan::Stage::kReady; });
+  EXPECT_TRUE(plan.choice().is_each);
+  plan.write();
+  until([&] { return plan.stage() == ExportPlan::Stage::kWritten; });
+  ASSERT_EQ(plan.written()->files.size(), 2u);
+  EXPECT_TRUE(plan.written()->is_ready);
+
+  plan.choose({});
+  until([&] { return plan.stage() == ExportPlan::Stage::kDoubtful; });
+  const std::vector<ExportFinding> findings = plan.findings();
+  EXPECT_TRUE(std::any_of(findings.begin(), findings.end(), [](const ExportFinding& finding) {
+    return finding.text.find("touch along a cut without kerf") != std::string::npos;
+  }));
+}
+
+TEST_F(CutAtOnce, WithAKerfBothPartsFitOneFile) {
+  ASSERT_TRUE(command("saw.plane", {"0.13", "0", "-0.2", "1", "0", "0"}));
+  ASSERT_TRUE(command("plane.cut", {"both", "0.1"}));
+  until([&] { return bench_.document->scene().pieceCount() == 2; });
+  ExportPlan& plan = *bench_.exporting;
+  plan.show(folder_.path());
+  until([&] { return plan.stage() == ExportPlan::Stage::kReady; });
+  EXPECT_FALSE(plan.choice().is_each);
 }
 
 TEST_F(CutAtOnce, APlaneThatMissesIsReported) {

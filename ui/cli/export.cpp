@@ -11,6 +11,7 @@
 #include "geometry/mesh/solids.h"
 #include "sim/run/export/export_bundle.h"
 #include "sim/run/export/placed_pieces.h"
+#include "sim/run/export/plane_parts_mesh.h"
 #include "sim/run/files/run_files.h"
 #include "sim/run/files/run_manifest.h"
 #include "sim/run/files/small_cut.h"
@@ -136,6 +137,16 @@ void warnOfSmallCut(const std::string& bundle, const PostOpReport& mesh) {
   const double counted = report ? report->removed_mm3.value_or(0) : 0;
   if (const auto small = smallCut(counted > 0 ? counted : mesh.removed_volume_mm3, manifest->voxel_mm))
     printText(stderr, "kerf: WARNING: {}\n", *small);
+}
+
+// Without a kerf both parts of a plane cut share its face.
+void warnOfTouching(const ExportArguments& a, const Export& result) {
+  const std::size_t touching = a.piece.empty() ? countTouching(result.pieces, a.is_put_back) : 0;
+  if (touching > 0)
+    printText(stderr,
+              "kerf: WARNING: {} pieces touch along a cut without kerf: in one file they fail the print check. Export "
+              "one file per piece: --piece all\n",
+              touching);
 }
 
 nlohmann::json piecesOf(const Export& result) {
@@ -281,6 +292,7 @@ int runExport(const ExportArguments& given) {
     if (const auto warned = warnOfExportNeighbours(a.bundle); !warned) return complain(warned.error());
   if (a.beside == 0 && isRun(a.bundle)) warnOfLedger(a.bundle, result->post_op.report);
   if (a.beside == 0 && isRun(a.bundle)) warnOfSmallCut(a.bundle, result->post_op.report);
+  warnOfTouching(a, *result);
   if (a.json)
     printJson(exportJson(*outputs, *result));
   else

@@ -13,6 +13,7 @@
 #include "geometry/formats/mesh_writer.h"
 #include "geometry/mesh/mesh_check.h"
 #include "sim/run/export/placed_pieces.h"
+#include "sim/run/export/plane_parts_mesh.h"
 #include "ui/app/base/language.h"
 
 namespace kerf {
@@ -47,7 +48,7 @@ tl::unexpected<Error> noSuchPiece() {
                .hint = "choose it in the list of pieces"});
 }
 
-// Moved pieces may intersect although each is right.
+// Pieces cut without a kerf touch, and moved ones may intersect, although each is right.
 ExportPart partOfExport(std::string piece, Mesh mesh, std::span<const PlacedPiece> together = {}) {
   ExportPart out;
   out.piece = std::move(piece);
@@ -72,7 +73,8 @@ Expected<std::vector<ExportPart>> partsOfExport(LiveResult& result, const SceneC
   const bool is_as_in_case = std::none_of(result.pieces.begin(), result.pieces.end(), [&](const auto& piece) {
     return isNamedByUser(piece.name) || (piece.isMoved() && !choice.is_put_back);
   });
-  if (!choice.is_each && !choice.only && is_as_in_case) {
+  const std::size_t touching = countTouching(result.pieces, choice.is_put_back);
+  if (!choice.is_each && !choice.only && is_as_in_case && touching == 0) {
     out.push_back(partOfExport("", std::move(result.post_op.mesh)));
     return out;
   }
@@ -86,8 +88,9 @@ Expected<std::vector<ExportPart>> partsOfExport(LiveResult& result, const SceneC
   } else if (choice.is_each) {
     for (PlacedPiece& piece : pieces) out.push_back(partOfPiece(piece));
   } else {
-    out.push_back(partOfExport("", together(pieces), pieces));
-    out.back().objects = objectsOf(pieces);
+    out.push_back(partOfExport("", is_as_in_case ? std::move(result.post_op.mesh) : together(pieces), pieces));
+    out.back().touching = out.back().is_met ? touching : 0;
+    if (!is_as_in_case) out.back().objects = objectsOf(pieces);
   }
   if (out.empty()) return noSuchPiece();
   return out;
@@ -101,6 +104,7 @@ Expected<std::string> write(const ExportPart& part, const ObjectNames& names, co
   ExportPart read;
   read.report = checkMesh(back);
   read.is_met = part.is_met;
+  read.touching = part.touching;
   is_ready &= read.report.print_ready;
   const std::string name = part.piece.empty() ? "" : fmt::format(" ({})", part.piece);
   return phrase("{}{}: {} triangles, {}", file.string(), name, back.triangles.size(), shownText(read.verdict()));
@@ -111,6 +115,8 @@ Expected<std::string> write(const ExportPart& part, const ObjectNames& names, co
 std::string ExportPart::verdict() const {
   if (report.print_ready) return "ready to print";
   if (!is_met) return "NOT ready to print; see kerf check";
+  if (touching > 0)
+    return "each piece is ready to print, but pieces touch along a cut without kerf: export one file per piece";
   return "each piece is valid, but the moved pieces overlap: move them apart, or export one file per piece";
 }
 

@@ -37,7 +37,8 @@ struct ExportPart {
   std::string piece{};               ///< its name; empty: all in one
   Mesh mesh{};                       ///< as written
   MeshReport report{};               ///< of checkMesh(), as in `kerf check`
-  bool is_met = false;               ///< not ready, though each piece is: the moved pieces intersect
+  bool is_met = false;               ///< not ready, though each piece is: they touch, or the moved pieces intersect
+  std::size_t touching = 0;          ///< of them: pieces that share a cut face, as countTouching()
   std::vector<NamedPart> objects{};  ///< of pieces; empty: as in PreparedExport::names
 
   /// A sentence: ready to print or not, and the remedy.

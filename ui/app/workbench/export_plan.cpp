@@ -85,6 +85,7 @@ void ExportPlan::show(const fs::path& folder) {
   const auto is_there = [&](const ExportOffer& offer) { return offer.choice == choice_; };
   if (is_other || std::none_of(all.begin(), all.end(), is_there)) {
     choice_ = all.front().choice;
+    is_chosen_ = false;
     forgetCheck();
   }
   if (named_for_ != bench_.document->source()) is_named_ = false;
@@ -134,6 +135,7 @@ std::vector<ExportOffer> ExportPlan::offers() const {
 }
 
 void ExportPlan::choose(const ExportChoice& choice) {
+  is_chosen_ = true;
   if (choice == choice_) return;
   choice_ = choice;
   forgetCheck();
@@ -313,6 +315,7 @@ void ExportPlan::start(Work work, Permission permission) {
 
 void ExportPlan::take(Expected<Outcome> outcome, bool is_new, bool was_written) {
   work_ = Work::kNone;
+  if (outcome && outcome->choice == choice_) splitTouching(*outcome, was_written);
   // If another check follows, the pending write waits for it.
   const auto wanted = wants_check_ ? std::nullopt : std::exchange(wants_write_, std::nullopt);
   if (!outcome) {
@@ -349,6 +352,20 @@ void ExportPlan::take(Expected<Outcome> outcome, bool is_new, bool was_written) 
                        .hint = "read the print check, then export again to write the mesh anyway"};
   error_ = doubtful.message();
   bench_.notices->complain(doubtful);
+}
+
+// One file of pieces that touch is no printable solid: unless the user chose it, each gets its own.
+void ExportPlan::splitTouching(const Outcome& outcome, bool was_written) {
+  const auto touches = [](const ExportPart& part) { return part.touching > 0; };
+  const auto& parts = outcome.prepared->parts;
+  if (is_chosen_ || outcome.written || std::none_of(parts.begin(), parts.end(), touches)) return;
+  const auto waiting = was_written ? std::optional(Permission{}) : wants_write_;
+  choice_.is_each = true;
+  forgetCheck();
+  lookForReplaced();
+  wants_write_ = waiting;
+  wants_check_ = true;
+  bench_.notices->say(shownText("Pieces touch along a cut without kerf: one file per piece"));
 }
 
 void ExportPlan::write(Permission permission) {

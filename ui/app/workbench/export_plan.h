@@ -53,7 +53,7 @@ class ExportPlan final : public Part {
   /// All current choices: at least one if an object is open.
   std::vector<ExportOffer> offers() const;
   const ExportChoice& choice() const { return choice_; }
-  /// A new choice starts a new check.
+  /// A new choice starts a new check. Until the first, pieces that touch along a cut without kerf get a file each.
   void choose(const ExportChoice& choice);
   /// Writable formats: rows of the table of mesh formats.
   static std::vector<const MeshFormatRow*> formats();
@@ -129,10 +129,11 @@ class ExportPlan final : public Part {
   void forgetCheck();
   void start(Work work, Permission permission);
   void take(Expected<Outcome> outcome, bool is_new, bool was_written);
+  void splitTouching(const Outcome& outcome, bool was_written);
   void askToReplace(const std::filesystem::path& untold);
 
   Workbench& bench_;
-  bool is_shown_ = false, wants_check_ = false, is_named_ = false, asks_to_replace_ = false;
+  bool is_shown_ = false, wants_check_ = false, is_named_ = false, is_chosen_ = false, asks_to_replace_ = false;
   std::optional<Permission> wants_write_;
   std::uint64_t generation_ = 0;  // of the workbench at show()
   std::filesystem::path file_, named_for_;
