@@ -35,6 +35,7 @@ using nlohmann::json;
 struct TrimArguments {
   std::string what, plan, box, between, keep = "both", unit;
   std::vector<std::string> planes, outputs;
+  std::vector<double> hole;  // empty: none
   double kerf_mm = 0;
   bool overwrites = false, json = false;
 };
@@ -268,6 +269,22 @@ void printTrim(const TrimArguments& a, const Cut& cut, const PlaneCut& result, c
   for (const TrimOutput& output : outputs) printText("written: {}\n", output.path);
 }
 
+// In both parts, as a session does it.
+Expected<void> drill(const TrimArguments& a, PlaneCut& cut, const PostOpOptions& options) {
+  if (a.hole.empty()) return {};
+  const std::vector<double>& v = a.hole;
+  const RoundHole hole{{v[5], v[6], v[7]}, Vec3d(v[2], v[3], v[4]).stableNormalized(), v[0], v[1]};
+  if (!hole.isUsable())
+    return fail(wrongTrimOption("--hole", fmt::format("{}", fmt::join(v, ",")),
+                                "a diameter of 0.3 to 20 mm, a depth up to 200 mm, a direction and a point",
+                                "2,11,0,0,1,21,26,-25"));
+  for (PostOpMesh* const part : {&cut.above, &cut.rest}) {
+    KERF_TRY(drilled, withHole(part->mesh, hole, options));
+    if (drilled) *part = std::move(*drilled);
+  }
+  return {};
+}
+
 Expected<void> trim(const TrimArguments& a) {
   for (const std::string& path : a.outputs) KERF_CHECK(canWriteMesh(path));
   KERF_TRY(source, readSource(a));
@@ -280,6 +297,7 @@ Expected<void> trim(const TrimArguments& a) {
     result.error().file = a.what;
     return fail(std::move(result).error());
   }
+  KERF_CHECK(drill(a, *result, cut.options.post_op));
 
   const TerminalProgress guard;  // Ctrl-C waits for complete files
   const std::vector<TrimOutput> outputs = trimOutputsOf(a, cut, *result);
@@ -359,6 +377,13 @@ void addTrim(CLI::App& command, int& exit_code) {
       ->type_name("MM")
       ->check(CLI::Range(0.0, kMostKerf))
       ->capture_default_str();
+  command
+      .add_option("--hole", a->hole,
+                  "a round hole in both parts, such as for a pin, mm: diameter, depth, direction into the material and "
+                  "middle of the mouth")
+      ->delimiter(',')
+      ->expected(8)
+      ->type_name("D,DEPTH,AX,AY,AZ,X,Y,Z");
   command.add_option("--keep", a->keep, "parts to write: above (or die), below (or rest), both")
       ->check(CLI::IsMember({"above", "below", "die", "rest", "both"}))
       ->capture_default_str();
