@@ -41,6 +41,14 @@ void expectSound(const SawPlane& plane) {
 
 // ---- Planes
 
+TEST(SawPlane, MovedByAPoseItsCornersMoveSo) {
+  SawPlane plane = *planeSquareTo({1, 2, 3}, {1, 2, 2});
+  const Rigid3 by{Eigen::Quaterniond(Eigen::AngleAxisd(0.4, Vec3d(1, 1, 0).normalized())), {3, -1, 2}};
+  const SawPlane moved = movedPlane(plane, by);
+  expectSound(moved);
+  for (std::size_t n = 0; n < 4; ++n) EXPECT_NEAR((moved.corners()[n] - by * plane.corners()[n]).norm(), 0, 1e-12);
+}
+
 TEST(SawPlane, ThreePointsMakeTheirPlane) {
   const std::array<Vec3d, 3> points = {Vec3d(1, 0, 0), {0, 2, 0}, {0, 0, 3}};
   const auto plane = planeThrough(points, Vec3d(0, 0, 1));
@@ -203,6 +211,62 @@ TEST(FitToBone, ABladeThatReachesTooLittleIsTurnedOrBounded) {
   const auto shallow = fitToBone(lengthwise, bone->phi0(), bladeOf("disc-22"), {.keeps_approach = true});
   ASSERT_TRUE(shallow);
   EXPECT_NEAR(shallow->depth, bladeOf("disc-22").most_depth, 1e-9);
+}
+
+// Two bars of 40 x 6 x 8 mm along x, their middles at y = -16 and 16.
+BrickField twoBars() {
+  const auto one = test::block({40, 6, 8}, 0.25);
+  const BrickField& phi = one->phi0();
+  BrickField out(0.25, phi.background(), phi.interior());
+  for (const int away : {-8, 8}) {
+    const Vec3i by{0, away, 0};  // bricks of 2 mm
+    for (std::size_t b = 0; b < phi.brickCount(); ++b) out.add(phi.brickCoord(b) + by, phi.brick(b));
+    for (const Vec3i& brick : phi.interiorBricks()) out.markInterior(brick + by);
+  }
+  return out;
+}
+
+TEST(FitToBone, ALineAcrossAnArchSpansBothSidesIfTheBladeDoes) {
+  const BrickField arch = twoBars();
+  const SawPlane across = *planeSquareTo({3, 15, -4}, {1, 0, 0});
+  const double to_middle = across.across()[1] > 0 ? -15 : 15;
+  const FitOptions line{.across = {{to_middle - 25, to_middle + 25}}, .keeps_approach = true};
+  const auto both = fitToBone(across, arch, SawBlade{}, line);
+  ASSERT_TRUE(both) << both.error().message();
+  EXPECT_NEAR(both->width, 38 + 1, 0.6);
+  EXPECT_NEAR(both->point[1], 0, 0.5);
+  const SawCoverage whole = coverageOf(*both, arch, SawBlade{});
+  EXPECT_TRUE(whole.passesThrough()) << whole.share;
+  EXPECT_EQ(whole.sections_met, 2);
+
+  const auto near = fitToBone(across, arch, bladeOf("saw-reciprocating-25"), line);
+  ASSERT_TRUE(near);
+  EXPECT_NEAR(near->width, 6 + 1, 0.6) << "28 mm of teeth do not span the arch";
+  const SawCoverage one = coverageOf(*near, arch, SawBlade{});
+  EXPECT_TRUE(one.passesThrough());
+  EXPECT_EQ(one.sections, 2);
+  EXPECT_EQ(one.sections_met, 1);
+
+  // Seen from the side the other bar lies behind the first: it does not count.
+  const SawPlane from_side = *planeSquareTo({3, 18, -4}, {1, 0, 0}, Vec3d(0, -1, 0));
+  const auto first = fitToBone(from_side, arch, SawBlade{}, {.across = {{-20, 20}}, .keeps_approach = true});
+  ASSERT_TRUE(first);
+  EXPECT_NEAR(first->depth, 6 + 1.5, 0.6);
+}
+
+TEST(SawCoverage, SaysHowMuchOfTheSectionIsReached) {
+  const auto bone = bar();
+  auto plane = fitToBone(*planeSquareTo({3, 1, -5}, {1, 0, 0}), bone->phi0(), SawBlade{});
+  ASSERT_TRUE(plane);
+  EXPECT_TRUE(coverageOf(*plane, bone->phi0(), SawBlade{}).passesThrough());
+  constexpr double kCellsAtEdges = 0.05;  // of 4 and 5 mm in cells of 0.25 mm
+  plane->depth = 5.5;                     // 0.5 mm of it above the bar
+  EXPECT_NEAR(coverageOf(*plane, bone->phi0(), SawBlade{}).share, 0.5, kCellsAtEdges);
+  plane->width = 4;
+  EXPECT_NEAR(coverageOf(*plane, bone->phi0(), SawBlade{}).share, 0.25, kCellsAtEdges);
+  SawBlade shallow;
+  shallow.most_depth = 3;
+  EXPECT_NEAR(coverageOf(*plane, bone->phi0(), shallow).share, 0.125, kCellsAtEdges);
 }
 
 TEST(FitToBone, NoBoneIsAnErrorThatSaysWhere) {

@@ -16,11 +16,11 @@ namespace {
 std::vector<AppCommand> allTables() {
   std::vector<AppCommand> out;
   for (const std::span<const AppCommand> table :
-       {file_commands::table(), import_commands::table(), export_commands::table(), replay_commands::table(),
-        quit::table(), edit_commands::table(), settings_commands::table(), device_commands::table(),
-        tool_commands::table(), stroke_commands::table(), piece_commands::table(), neighbour_commands::table(),
-        saw_commands::table(), drill_commands::table(), point_commands::table(), view_commands::table(),
-        tooth_views::table(), tissue_commands::table(), help_commands::table()})
+       {file_commands::table(), import_commands::table(), export_commands::table(),   replay_commands::table(),
+        quit::table(),          edit_commands::table(),   settings_commands::table(), device_commands::table(),
+        tool_commands::table(), stroke_commands::table(), piece_commands::table(),    neighbour_commands::table(),
+        saw_commands::table(),  die_commands::table(),    drill_commands::table(),    point_commands::table(),
+        view_commands::table(), tooth_views::table(),     tissue_commands::table(),   help_commands::table()})
     out.insert(out.end(), table.begin(), table.end());
   return out;
 }

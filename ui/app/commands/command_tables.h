@@ -55,6 +55,9 @@ std::span<const AppCommand> table();
 namespace saw_commands {
 std::span<const AppCommand> table();
 }
+namespace die_commands {
+std::span<const AppCommand> table();
+}
 namespace point_commands {
 std::span<const AppCommand> table();
 }

@@ -165,6 +165,13 @@ Expected<void> guide(AppContext& c, AppWords words) {
   return {};
 }
 
+Expected<void> handles(AppContext& c, AppWords words) {
+  Sawing& saw = *c.bench.saw;
+  if (!words.empty() && words[0] != "on" && words[0] != "off") return wrongWord("\"" + words[0] + "\"", "on or off");
+  saw.has_handles = words.empty() ? !saw.has_handles : words[0] == "on";
+  return {};
+}
+
 constexpr AppCommand kRows[] = {
     {"saw.pick-points", "Saw", "Plan plane from three points", "P", "",
      "Picks three points of the surface with the mouse.", when::isOpen, pickPoints},
@@ -211,6 +218,8 @@ constexpr AppCommand kRows[] = {
      "Cuts by the chosen plane at once and removes the part below.", hasPlane, keepAbove},
     {"plane.cut-keep-below", "Saw:2", "Cut at once, keep below", "", "",
      "Cuts by the chosen plane at once and removes the part above.", hasPlane, keepBelow},
+    {"plane.handles", "Saw:2", "Handles on plane", "", "[on|off]",
+     "Shows handles on the chosen plane, to move and turn it by mouse.", when::isOpen, handles},
     {"saw.stop", "Saw", "Stop sawing", "", "", "Stops a planned cut and retracts the blade.", isCutting, stop},
     {"saw.guide", "Saw", "Guide blade", "G", "[on|off]", "Keeps a mouse-guided saw in the chosen plane, or frees it.",
      when::isOpen, guide},

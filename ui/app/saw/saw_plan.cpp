@@ -155,6 +155,14 @@ void turnApproach(SawPlane& plane, double angle) {
   plane.point = middle - 0.5 * plane.depth * plane.approach;
 }
 
+SawPlane movedPlane(SawPlane plane, const Rigid3& by) {
+  plane.point = by * plane.point;
+  plane.normal = (by.rotation * plane.normal).normalized();
+  plane.approach = by.rotation * plane.approach;
+  plane.approach = (plane.approach - plane.normal.dot(plane.approach) * plane.normal).normalized();
+  return plane;
+}
+
 // ---- The plan
 
 void SawPlan::add(SawPlane plane) {

@@ -58,6 +58,8 @@ void movePlane(SawPlane& plane, double mm);  ///< along its normal
 void turnPlane(SawPlane& plane, double about_approach, double about_across);
 /// Turns the approach within the plane about the middle of the rectangle, rad, right-handed about the normal.
 void turnApproach(SawPlane& plane, double angle);
+/// Moved and turned in the world, about any centre.
+SawPlane movedPlane(SawPlane plane, const Rigid3& by);
 
 /// Named planes, one of them chosen. Names are unique and not empty.
 class SawPlan {

@@ -8,12 +8,14 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <utility>
+#include <vector>
 
 namespace kerf {
 namespace {
 
 constexpr double kCell = SawnSection::kCell;
-constexpr double kLooked = 45;         // mm: search range of a section around the point
+constexpr double kLooked = 70;         // mm: search range of a section around the point, wider than an arch
 constexpr double kNear = 8;            // mm from the point to the bone, at most
 constexpr double kBefore = 0.5;        // mm outside the bone: start of a rectangle
 constexpr double kBehind = 1;          // mm behind the bone: its end
@@ -33,39 +35,91 @@ struct Extent {
 
 using Point2 = Eigen::Vector2d;
 
-// The bone cells of the plane connected with the one nearest to the plane's point; (u, v).
-std::vector<Point2> sectionNear(const SawPlane& plane, const BrickField& bone) {
-  const int side = static_cast<int>(std::lround(2 * kLooked / kCell)) + 1;
-  const auto placeOf = [](int n) { return n * kCell - kLooked; };
-  const auto cellOf = [side](int i, int j) {
-    return static_cast<std::size_t>(j) * static_cast<std::size_t>(side) + static_cast<std::size_t>(i);
-  };
-
-  std::vector<char> is_bone(cellOf(0, side), 0);
-  std::optional<std::array<int, 2>> seed;
-  double nearest = kNear;
-  for (int j = 0; j < side; ++j)
-    for (int i = 0; i < side; ++i) {
-      if (bone.sample(plane.fromPlane(placeOf(i), placeOf(j))) >= 0) continue;
-      is_bone[cellOf(i, j)] = 1;
-      const double away = std::hypot(placeOf(i), placeOf(j));
-      if (away >= nearest) continue;
-      nearest = away;
-      seed = {i, j};
-    }
-
-  std::vector<Point2> out;
-  std::vector<std::array<int, 2>> open;
-  if (seed) open.push_back(*seed);
-  while (!open.empty()) {
-    const auto [i, j] = open.back();
-    open.pop_back();
-    if (i < 0 || j < 0 || i >= side || j >= side || !std::exchange(is_bone[cellOf(i, j)], 0)) continue;
-    out.push_back({placeOf(i), placeOf(j)});
-    for (const auto& [di, dj] : {std::array{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) open.push_back({i + di, j + dj});
+// The bone of a plane around its point, divided into connected sections.
+class Sections {
+ public:
+  Sections(const SawPlane& plane, const BrickField& bone) {
+    for (int j = 0; j < kSide; ++j)
+      for (int i = 0; i < kSide; ++i)
+        if (bone.sample(plane.fromPlane(placeOf(i), placeOf(j))) < 0) section_[cellOf(i, j)] = kUnknown;
+    for (int j = 0; j < kSide; ++j)
+      for (int i = 0; i < kSide; ++i)
+        if (section_[cellOf(i, j)] == kUnknown) flood(i, j, count_++);
   }
-  return out;
-}
+
+  int count() const { return count_; }
+  /// Of the nearest cell within a distance of a place. Negative: none.
+  int nearest(const Point2& to, double within) const {
+    int out = kNone;
+    each([&](const Point2& p, int section) {
+      const double away = (p - to).norm();
+      if (away >= within) return;
+      within = away;
+      out = section;
+    });
+    return out;
+  }
+  template <class F>
+  void each(const F& f) const {
+    for (int j = 0; j < kSide; ++j)
+      for (int i = 0; i < kSide; ++i)
+        if (const int section = section_[cellOf(i, j)]; section >= 0) f({placeOf(i), placeOf(j)}, section);
+  }
+  /// The sections that a blade on the line meets first in most of their columns, about as high as a given one: both
+  /// sides of an arch, but nothing behind it.
+  std::vector<int> besideEachOther(double low, double high, int given) const {
+    constexpr double kAsHigh = 15;  // mm
+    std::vector<int> columns(static_cast<std::size_t>(count_), 0), first = columns;
+    std::vector<double> start(static_cast<std::size_t>(count_), kLooked);
+    for (int i = 0; i < kSide; ++i) {
+      if (placeOf(i) < low || placeOf(i) > high) continue;
+      std::vector<char> is_seen(static_cast<std::size_t>(count_), 0);
+      bool is_first = true;
+      for (int j = 0; j < kSide; ++j) {
+        const int section = section_[cellOf(i, j)];
+        if (section < 0) continue;
+        const auto n = static_cast<std::size_t>(section);
+        if (std::exchange(is_seen[n], 1)) continue;
+        ++columns[n];
+        first[n] += std::exchange(is_first, false);
+        start[n] = std::min(start[n], placeOf(j));
+      }
+    }
+    std::vector<int> out;
+    for (int n = 0; n < count_; ++n) {
+      const auto at = static_cast<std::size_t>(n);
+      const double apart = std::abs(start[at] - start[static_cast<std::size_t>(given)]);
+      if (2 * first[at] > columns[at] && apart < kAsHigh) out.push_back(n);
+    }
+    return out;
+  }
+  /// Cells of the sections for which is_wanted[section].
+  std::vector<Point2> cells(const std::vector<char>& is_wanted) const {
+    std::vector<Point2> out;
+    each([&](const Point2& p, int section) {
+      if (is_wanted[static_cast<std::size_t>(section)]) out.push_back(p);
+    });
+    return out;
+  }
+
+ private:
+  static constexpr int kSide = static_cast<int>(2 * kLooked / kCell) + 1, kNone = -1, kUnknown = -2;
+  static double placeOf(int n) { return n * kCell - kLooked; }
+  static std::size_t cellOf(int i, int j) { return static_cast<std::size_t>(j) * kSide + static_cast<std::size_t>(i); }
+  void flood(int from_i, int from_j, int section) {
+    std::vector<std::array<int, 2>> open{{from_i, from_j}};
+    while (!open.empty()) {
+      const auto [i, j] = open.back();
+      open.pop_back();
+      if (i < 0 || j < 0 || i >= kSide || j >= kSide || section_[cellOf(i, j)] != kUnknown) continue;
+      section_[cellOf(i, j)] = section;
+      for (const auto& [di, dj] : {std::array{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) open.push_back({i + di, j + dj});
+    }
+  }
+
+  std::vector<int> section_ = std::vector<int>(cellOf(0, kSide), kNone);
+  int count_ = 0;
+};
 
 struct Extents {
   Extent across, along;
@@ -110,13 +164,26 @@ bool isTurned(const SawPlane& plane, const SawBlade& blade, const Box3& bone) {
 }
 
 Expected<SawPlane> fitToBone(SawPlane plane, const BrickField& bone, const SawBlade& blade, FitOptions options) {
-  const std::vector<Point2> cells = sectionNear(plane, bone);
-  if (cells.empty())
+  const Sections sections(plane, bone);
+  const int nearest = sections.nearest(Point2::Zero(), kNear);
+  if (nearest < 0)
     return fail({.code = Error::Code::kEmpty,
                  .found = fmt::format("no bone in that plane within {:g} mm of ({:.1f}, {:.1f}, {:.1f})", kNear,
                                       plane.point[0], plane.point[1], plane.point[2]),
                  .expected = "a plane that passes through the object",
                  .hint = "draw a line right across the bone, or pick points on it"});
+  std::vector<char> is_wanted(static_cast<std::size_t>(sections.count()), 0);
+  is_wanted[static_cast<std::size_t>(nearest)] = 1;
+  std::vector<Point2> cells = sections.cells(is_wanted);
+  if (options.across) {
+    const auto [low, high] = *options.across;
+    for (const int n : sections.besideEachOther(low, high, nearest)) is_wanted[static_cast<std::size_t>(n)] = 1;
+    std::vector<Point2> all = sections.cells(is_wanted);
+    Extent wide;
+    for (const Point2& p : all)
+      if (!options.limits || (p[0] >= low && p[0] <= high)) wide.add(p[0]);
+    if (wide.size() + 2 * kBefore <= blade.most_width) cells = std::move(all);
+  }
 
   double turn = 0;
   if (!options.keeps_approach && shortBy(extentsOf(cells, 0), blade) > 0) turn = bestTurn(cells, blade);
@@ -126,7 +193,7 @@ Expected<SawPlane> fitToBone(SawPlane plane, const BrickField& bone, const SawBl
 
   // Limits across: the bone, a drawn line, the blade.
   Extent across{e.across.low - kBefore, e.across.high + kBefore};
-  if (options.across) {
+  if (options.across && options.limits) {
     across.low = std::max(across.low, options.across->front());
     across.high = std::min(across.high, options.across->back());
   }
@@ -147,6 +214,30 @@ Expected<SawPlane> fitToBone(SawPlane plane, const BrickField& bone, const SawBl
   const double begins = e.along.low - kBefore;
   out.depth = std::min(e.along.size() + kBefore + kBehind, blade.most_depth);
   out.point = plane.point + 0.5 * (across.low + across.high) * out.across() + begins * out.approach;
+  return out;
+}
+
+SawCoverage coverageOf(const SawPlane& plane, const BrickField& bone, const SawBlade& blade) {
+  SawPlane middle = plane;
+  middle.point = plane.fromPlane(0, 0.5 * plane.depth);
+  const Sections sections(middle, bone);
+  const double depth = std::min(plane.depth, blade.most_depth);
+  std::vector<std::size_t> within(static_cast<std::size_t>(sections.count()), 0), all = within;
+  sections.each([&](const Point2& p, int section) {
+    const double v = p[1] + 0.5 * plane.depth;
+    ++all[static_cast<std::size_t>(section)];
+    within[static_cast<std::size_t>(section)] += std::abs(p[0]) <= 0.5 * plane.width && v >= 0 && v <= depth;
+  });
+  SawCoverage out;
+  out.sections = sections.count();
+  std::size_t met = 0, passed = 0;
+  for (std::size_t n = 0; n < all.size(); ++n) {
+    if (within[n] == 0) continue;
+    ++out.sections_met;
+    met += all[n];
+    passed += within[n];
+  }
+  if (met > 0) out.share = static_cast<double>(passed) / static_cast<double>(met);
   return out;
 }
 

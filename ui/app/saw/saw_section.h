@@ -16,16 +16,28 @@ namespace kerf {
 
 /// Bounds of a rectangle.
 struct FitOptions {
-  /// Limits, mm from the point along across, of a drawn line.
+  /// Limits, mm from the point along across, of a drawn line. Sections beside each other on the line count, as both
+  /// sides of an arch, if the blade spans them; else the nearest one.
   std::optional<std::array<double, 2>> across = {};
+  bool limits = true;           ///< false: `across` only says which sections count, and they count whole
   bool keeps_approach = false;  ///< false: it turns within its plane where the blade reaches too little
 };
 
-/// Bounds a plane to the bone nearest to its point, in one connected section, and to the reach of the blade. The
-/// rectangle then begins 0.5 mm outside the bone and ends 1 mm behind it.
+/// Bounds a plane to the bone nearest to its point, in one connected section or those on a line, and to the reach of
+/// the blade. The rectangle then begins 0.5 mm outside the bone and ends 1 mm behind it.
 /// @param bone  distances, mm, negative inside; the case's frame.
-/// Error kEmpty: no bone of the plane within 8 mm of the point.   @cost  20 ms.
+/// Error kEmpty: no bone of the plane within 8 mm of the point.   @cost  50 ms.
 Expected<SawPlane> fitToBone(SawPlane plane, const BrickField& bone, const SawBlade& blade, FitOptions options = {});
+
+/// Part of the object's section that a planned cut passes.
+struct SawCoverage {
+  double share = 1;  ///< of the sections that the rectangle meets, within it and the reach of the blade; 1 without bone
+  int sections = 0;  ///< connected sections of the whole plane
+  int sections_met = 0;  ///< of them: those that the rectangle meets
+  bool passesThrough() const { return share >= 0.995; }
+};
+/// Within 70 mm of the rectangle.   @cost  50 ms.
+SawCoverage coverageOf(const SawPlane& plane, const BrickField& bone, const SawBlade& blade);
 
 /// True if the handpiece of a blade held at its end points towards -across: away from the middle of the bone, to stay
 /// outside the jaw.

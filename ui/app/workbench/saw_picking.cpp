@@ -23,6 +23,8 @@ std::string SawPicking::hint() const {
       return shownText(kPoints[std::min<std::size_t>(rays_.size(), 2)]) + shownText("  Esc: cancel.");
     case What::kLine:
       return "Draw a line across the bone. The blade goes in along the viewing direction.  Esc: cancel.";
+    case What::kDie:
+      return shownText("Click the tooth that becomes a die.") + shownText("  Esc: cancel.");
     case What::kFace:
       return "Click a face. The plane lies 1 mm under it.  Esc: cancel.";
   }
@@ -39,6 +41,11 @@ Expected<void> SawPicking::press(Sawing& saw, const Ray& ray) {
       return {};
     case What::kFace: {
       KERF_CHECK(saw.addAlongFace(ray, kUnderFace));
+      begin(What::kNothing);
+      return {};
+    }
+    case What::kDie: {
+      KERF_CHECK(saw.die.plan(ray));
       begin(What::kNothing);
       return {};
     }

@@ -1,5 +1,5 @@
-// Picking a plane in the view: three points, a line, a face. Keeps the picked points and gives the next hint. No
-// drawing, no window.
+// Picking a plane in the view: three points, a line, a face, a tooth for a die. Keeps the picked points and gives the
+// next hint. No drawing, no window.
 #pragma once
 
 #include <optional>
@@ -15,7 +15,7 @@ class Sawing;
 
 class SawPicking {
  public:
-  enum class What { kNothing, kPoints, kLine, kFace };
+  enum class What { kNothing, kPoints, kLine, kFace, kDie };
 
   /// Discards an unfinished pick.
   void begin(What what);

@@ -11,7 +11,6 @@
 #include "ui/app/base/language.h"
 #include "ui/app/document/document.h"
 #include "ui/app/saw/plane_words.h"
-#include "ui/app/saw/saw_section.h"
 #include "ui/app/workbench/drilling.h"
 #include "ui/app/workbench/scene_pieces.h"
 #include "ui/app/workbench/steps.h"
@@ -80,7 +79,7 @@ struct Sawing::Cutting {
   bool is_begun = false, is_undone_after = false;
 };
 
-Sawing::Sawing(Workbench& bench) : bench_(bench) {}
+Sawing::Sawing(Workbench& bench) : die(bench), bench_(bench) {}
 
 Sawing::~Sawing() = default;
 
@@ -248,12 +247,23 @@ std::optional<SawClearance> Sawing::clearance() {
   return measured_.clearance;
 }
 
+std::optional<SawCoverage> Sawing::coverage() {
+  const SawPlane* const plane = plan_.chosen();
+  if (!plane || !bench_.document->isOpen()) return {};
+  const SawBlade now = blade();
+  if (covered_.version != plan_.version() || covered_.most_depth != now.most_depth)
+    covered_ = {plan_.version(), now.most_depth, coverageOf(*plane, *bench_.document->run()->original(), now)};
+  return covered_.coverage;
+}
+
 Expected<void> Sawing::fit() {
   KERF_TRY(plane, chosen());
   KERF_CHECK(requireOpen());
   // From a point within the rectangle, whose entering side lies outside the bone.
   plane.point = plane.fromPlane(0, 0.5 * std::min(plane.depth, 6.0));
-  KERF_TRY(fitted, fitToBone(plane, *bench_.document->run()->original(), blade(), {.keeps_approach = true}));
+  const std::array<double, 2> across{-0.5 * plane.width, 0.5 * plane.width};
+  KERF_TRY(fitted, fitToBone(plane, *bench_.document->run()->original(), blade(),
+                             {.across = across, .limits = false, .keeps_approach = true}));
   plan_.replaceChosen(fitted);
   return {};
 }
@@ -363,6 +373,9 @@ Expected<void> Sawing::cut(double force_n) {
                                                .last = start,
                                                .began = now.tick,
                                                .cleared = now.tick});
+  if (const auto covered = coverage(); covered && !covered->passesThrough())
+    bench_.notices->say(phrase("{}: does not pass through: it covers {:.0f} % of the section", plane.name,
+                               std::floor(100 * covered->share)));
   bench_.steps->beginPlannedCut(plane.name);
   last_share_ = 0;
   return {};
@@ -380,46 +393,67 @@ Expected<void> Sawing::addOcclusal(double above_mm) {
 Expected<void> Sawing::cutAtOnce(PlaneKeep keep, double kerf_mm) {
   KERF_CHECK(requireOpen());
   KERF_TRY(plane, chosen());
+  CutPlanes planes;
+  planes.kerf_mm = kerf_mm;
+  planes.add({plane.point, plane.normal});
+  return cutAtOnce(keep, planes, plane.name);
+}
+
+Expected<void> Sawing::cutAtOnce(PlaneKeep keep, const CutPlanes& planes, const std::string& name,
+                                 std::optional<std::uint32_t> wanted) {
+  KERF_CHECK(requireOpen());
   if (isCutting() || at_once_ || bench_.strokes->isPressed() || bench_.steps->undosLeft() != 0)
     return refuse(Error::Code::kUnsupported, "the tool is in use", "a tool at rest", "release the button first");
 
-  const auto planeIn = [&](const SceneObject& piece) {
-    if (!piece.isMoved()) return Plane{plane.point, plane.normal};
+  const auto planesIn = [&](const SceneObject& piece) {
+    if (!piece.isMoved()) return planes;
     const Rigid3 T_piece_world = piece.T_world_object.inverse();
-    return Plane{T_piece_world * plane.point, (T_piece_world.rotation * plane.normal).normalized()};
+    const auto turned = [&](const Vec3d& unit) -> Vec3d { return (T_piece_world.rotation * unit).normalized(); };
+    CutPlanes out;
+    out.kerf_mm = planes.kerf_mm;
+    for (const Plane& plane : planes.planes()) out.add({T_piece_world * plane.point, turned(plane.normal)});
+    RoundHole hole = planes.hole();
+    hole.mouth = T_piece_world * hole.mouth;
+    hole.axis = turned(hole.axis);
+    if (planes.hasHole()) out.setHole(hole);
+    return out;
   };
   const auto isMet = [&](const SceneObject& piece) {
-    const Plane in_piece = planeIn(piece);
     const Box3 box = piece.surface.bounds();
-    double least = in_piece.height(box.corner(0)), most = least;
-    for (int n = 1; n < 8; ++n) {
-      least = std::min(least, in_piece.height(box.corner(n)));
-      most = std::max(most, in_piece.height(box.corner(n)));
+    bool has_below = false;
+    for (const Plane& plane : planesIn(piece).planes()) {
+      double least = plane.height(box.corner(0)), most = least;
+      for (int n = 1; n < 8; ++n) {
+        least = std::min(least, plane.height(box.corner(n)));
+        most = std::max(most, plane.height(box.corner(n)));
+      }
+      if (most <= 0) return false;
+      has_below |= least < 0;
     }
-    return least < 0 && most > 0;
+    return has_below;
   };
-  const SceneObject* piece = bench_.pieces->chosen();
+  const SceneObject* piece = wanted ? bench_.document->scene().find(*wanted) : bench_.pieces->chosen();
   for (const SceneObject* const other : bench_.document->scene().shown()) {
-    if (bench_.pieces->chosen() || other->isBeside() || !isMet(*other)) continue;
+    if (wanted || bench_.pieces->chosen() || other->isBeside() || !isMet(*other)) continue;
     if (piece)
       return refuse(Error::Code::kUnsupported, "several pieces in the plane", "one piece to cut",
                     "click a piece in Pieces, then cut again");
     piece = other;
   }
+  if (wanted && !piece)
+    return refuse(Error::Code::kNotFound, "the piece is no longer there", "a piece of the scene",
+                  "plan again on a piece that is there");
   if (!piece || !isMet(*piece))
     return refuse(Error::Code::kEmpty, "the plane misses the object", "a plane through it", "move the plane");
   if (piece->isBeside())
     return refuse(Error::Code::kUnsupported, "a neighbour", "a piece of the scan itself",
                   "open that scan by itself to cut it by a plane");
 
-  CutByPlanes command{piece->index, static_cast<std::uint8_t>(keep), {}};
-  command.planes.kerf_mm = kerf_mm;
-  command.planes.add(planeIn(*piece));
   if (bench_.document->report().is_latched) bench_.document->send(ClearLatch{});
   const std::uint64_t refused = bench_.document->report().counts.commands_refused;
-  if (!bench_.document->send(command))
+  if (!bench_.document->send(CutByPlanes{piece->index, static_cast<std::uint8_t>(keep), planesIn(*piece)}))
     return refuse(Error::Code::kUnsupported, "the 1 kHz thread is busy", "a free place in its queue", "try again");
-  at_once_ = AtOnce{plane.name, bench_.document->sent(), refused};
+  at_once_ = AtOnce{name, bench_.document->sent(), refused};
   return {};
 }
 
@@ -600,6 +634,8 @@ void Sawing::opened(Opening /*how*/) {
   at_once_.reset();
   cutting_.reset();
   plan_.clear();
+  covered_ = {};
+  die.clear();
   saved_ = seen_ = plan_.version();
   last_share_ = 0;
   guide = false;

@@ -15,14 +15,17 @@
 #include "ui/app/document/part.h"
 #include "ui/app/saw/saw_clearance.h"
 #include "ui/app/saw/saw_plan.h"
+#include "ui/app/saw/saw_section.h"
 #include "ui/app/tool/stroke.h"
 #include "ui/app/view/live_surface.h"
+#include "ui/app/workbench/die_making.h"
 #include "ui/app/workbench/saw_picking.h"
 
 namespace kerf {
 
 class Workbench;
 enum class PlaneKeep : std::uint8_t;
+struct CutPlanes;
 struct FitOptions;
 struct GuidedReport;
 
@@ -52,6 +55,8 @@ class Sawing final : public Part {
 
   double force = kUsualForce;  ///< N, of a planned cut
   SawPicking picking;          ///< points picked by the user
+  DieMaking die;
+  bool has_handles = false;  ///< the chosen plane has handles in the view, unless a piece is chosen
 
   // ---- Planes. Each new plane is bounded to the bone and the blade, and chosen.
 
@@ -80,7 +85,9 @@ class Sawing final : public Part {
   Expected<void> resize(std::optional<double> width_mm, std::optional<double> depth_mm);
   /// Distance of the chosen plane to pulp and nerve canal with the blade in hand. None: no plane, or no structures.
   std::optional<SawClearance> clearance();
-  /// Bounds the chosen plane to bone and blade again.
+  /// Part of the section, as loaded, that the chosen plane passes with the blade in hand. None: no plane.
+  std::optional<SawCoverage> coverage();
+  /// Bounds the chosen plane to bone and blade again, in all sections that it meets.
   Expected<void> fit();
   /// @param file  or a session's folder.
   Expected<void> save(const std::filesystem::path& file) const;
@@ -118,6 +125,10 @@ class Sawing final : public Part {
   /// @param kerf_mm  width lost along the plane.   Errors: kEmpty without a plane or a piece in it; kUnsupported for a
   /// neighbour, while the tool is in use, and if several pieces meet the plane and none is chosen.
   Expected<void> cutAtOnce(PlaneKeep keep, double kerf_mm);
+  /// The same by several planes and a hole, world frame.
+  /// @param name  of the cut, for notices.   @param piece  its id; none: as above.
+  Expected<void> cutAtOnce(PlaneKeep keep, const CutPlanes& planes, const std::string& name,
+                           std::optional<std::uint32_t> piece = {});
 
   // ---- The guide
 
@@ -168,6 +179,12 @@ class Sawing final : public Part {
     SawClearance clearance;
   };
   Measured measured_;
+  struct Covered {
+    std::uint64_t version = ~std::uint64_t{0};  // of the plan
+    double most_depth = 0;
+    SawCoverage coverage;
+  };
+  Covered covered_;
   std::chrono::steady_clock::time_point changed_{};
 };
 

@@ -1,5 +1,7 @@
 #include "ui/window/draw/saw_view.h"
 
+#include <numbers>
+
 #include "ui/app/document/document.h"
 #include "ui/app/saw/saw_contour.h"
 #include "ui/app/workbench/sawing.h"
@@ -17,6 +19,20 @@ LiveSlab slabOf(const SawPlane& plane, double kerf, const LiveScene& scene) {
   out.thickness = kerf;
   out.contour = contourOf(plane, scene);
   return out;
+}
+
+// The pin hole: its ends as rings, and lines along it.
+void addHole(LivePlan& to, const RoundHole& hole) {
+  constexpr int kSides = 24, kLines = 4;
+  const Vec3d u = hole.axis.unitOrthogonal(), v = hole.axis.cross(u);
+  const auto at = [&](int n, double along) -> Vec3d {
+    const double angle = 2 * std::numbers::pi * n / kSides;
+    return hole.mouth + along * hole.axis + 0.5 * hole.diameter * (std::cos(angle) * u + std::sin(angle) * v);
+  };
+  for (int n = 0; n < kSides; ++n) {
+    for (const double along : {0.0, hole.depth}) to.lines.push_back({at(n, along), at(n + 1, along)});
+    if (n % (kSides / kLines) == 0) to.lines.push_back({at(n, 0), at(n, hole.depth)});
+  }
 }
 
 }  // namespace
@@ -47,6 +63,9 @@ LivePlan SawView::planOf(const Workbench& bench, const Camera& camera) {
     is_outdated_ = false;
   }
   out.slabs = slabs_;
+
+  if (saw.die.isPlanned())
+    if (const auto& pin = saw.die.pin(); pin && *pin) addHole(out, **pin);
 
   // Picked points, in front of everything.
   const SawPicking& picking = saw.picking;

@@ -77,6 +77,10 @@ bool sliderFloat(const Words& label, float* value, float low, float high, const 
   return ImGui::SliderFloat(label.label().c_str(), value, low, high, shownText(format).c_str(), flags);
 }
 
+bool inputFloat(const Words& label, float* value, const char* format) {
+  return ImGui::InputFloat(label.label().c_str(), value, 0, 0, shownText(format).c_str());
+}
+
 bool inputFloat3(const Words& label, float values[3], const char* format, ImGuiInputTextFlags flags) {
   return ImGui::InputFloat3(label.label().c_str(), values, format, flags);
 }

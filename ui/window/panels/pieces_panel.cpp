@@ -12,6 +12,7 @@
 #include "ui/app/document/document.h"
 #include "ui/app/document/jobs.h"
 #include "ui/app/view/piece_colours.h"
+#include "ui/app/workbench/sawing.h"
 #include "ui/app/workbench/scene_neighbours.h"
 #include "ui/app/workbench/scene_pieces.h"
 #include "ui/app/workbench/strokes.h"
@@ -178,29 +179,43 @@ void drawNeighbourList(AppContext& context) {
 
 std::optional<PieceGizmo> gizmoOf(const AppContext& context) {
   const SceneObject* const piece = context.bench.pieces->chosen();
+  const SawPlane* const plane = context.bench.saw->plan().chosen();
+  const auto at = [&](const Vec3d& center) {
+    return PieceGizmo(context.camera, context.width, context.height, center);
+  };
+  if (!piece && plane && context.bench.saw->has_handles) return at(plane->fromPlane(0, 0.5 * plane->depth));
   if (!piece || piece->is_hidden || piece->isBeside()) return {};
-  return PieceGizmo(context.camera, context.width, context.height, piece->pose() * piece->surface.bounds().center());
+  return at(piece->pose() * piece->surface.bounds().center());
 }
 
 bool PieceDrag::press(AppContext& context, const Pixel& at) {
   const SceneObject* const piece = context.bench.pieces->chosen();
   gizmo_ = gizmoOf(context);
-  if (!piece || !gizmo_) return false;
-  handle_ = gizmo_->handleAt(at);
+  handle_ = gizmo_ ? gizmo_->handleAt(at) : std::nullopt;
   if (!handle_) return false;
-  piece_ = piece->id;
-  pose_ = piece->pose();
+  plane_.reset();
+  if (!piece) plane_ = *context.bench.saw->plan().chosen();
+  if (piece) piece_ = piece->id;
+  pose_ = piece ? piece->pose() : Rigid3{};
   from_ = at;
   return true;
 }
 
 void PieceDrag::move(AppContext& context, const Pixel& at) {
-  if (handle_) context.bench.pieces->drag(piece_, gizmo_->dragged(*handle_, from_, at, pose_));
+  if (!handle_) return;
+  const Rigid3 to = gizmo_->dragged(*handle_, from_, at, pose_);
+  if (plane_)
+    context.bench.saw->plan().replaceChosen(movedPlane(*plane_, to));
+  else
+    context.bench.pieces->drag(piece_, to);
 }
 
 void PieceDrag::release(AppContext& context, const Pixel& at) {
   if (!handle_) return;
-  if (at == from_)
+  if (plane_)
+    context.bench.saw->plan().replaceChosen(
+        at == from_ ? *plane_ : movedPlane(*plane_, gizmo_->dragged(*handle_, from_, at, pose_)));
+  else if (at == from_)
     context.bench.pieces->drag(piece_, std::nullopt);
   else
     context.bench.pieces->move(piece_, gizmo_->dragged(*handle_, from_, at, pose_));
@@ -223,7 +238,6 @@ bool areNeighboursNeeded(const AppContext& context) {
 }
 
 void drawPieceHandles(const AppContext& context, const PieceDrag& drag, double pixels) {
-  if (!arePiecesNeeded(context)) return;
   if (const auto gizmo = gizmoOf(context)) drawGizmo(*gizmo, drag.lit(), pixels);
 }
 

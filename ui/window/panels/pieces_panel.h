@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "ui/app/commands/app_commands.h"
+#include "ui/app/saw/saw_plan.h"
 #include "ui/app/view/piece_gizmo.h"
 
 namespace kerf {
@@ -23,12 +24,13 @@ class PieceDrag {
  private:
   std::optional<GizmoHandle> handle_, hovered_;
   std::uint32_t piece_ = 0;
+  std::optional<SawPlane> plane_;  ///< dragged instead of a piece: as it was at the press
   Pixel from_ = Pixel::Zero();
   Rigid3 pose_;  // at the press
   std::optional<PieceGizmo> gizmo_;
 };
 
-/// Handles of the chosen piece; none without one.
+/// Handles of the chosen piece, else of the chosen plane if Sawing::has_handles; none without one.
 std::optional<PieceGizmo> gizmoOf(const AppContext& context);
 
 /// The list. Needed with several pieces or a moved one.

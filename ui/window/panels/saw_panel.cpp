@@ -16,6 +16,7 @@
 #include "ui/window/frame/frame_layout.h"
 #include "ui/window/gl/theme.h"
 #include "ui/window/gl/widgets.h"
+#include "ui/window/panels/die_panel.h"
 
 namespace kerf {
 namespace {
@@ -101,6 +102,9 @@ void drawPlanes(AppContext& context, SawPanelState& state) {
 
 void drawSteppers(AppContext& context) {
   const SawPlane plane = *context.bench.saw->plan().chosen();
+  bool has_handles = context.bench.saw->has_handles;
+  if (ui::checkbox("Handles on plane", &has_handles)) runSaw(context, "plane.handles", {has_handles ? "on" : "off"});
+  if (ImGui::IsItemHovered()) ui::setTooltip("Drag arrows and rings in the view to move and turn the plane");
   stepper(context, "Move", "by 0.1 mm", "saw.move", kStepMm);
   stepper(context, "Turn", "by 1 degree", "saw.turn", kStepDegrees);
   stepper(context, "Tilt", "by 1 degree", "saw.tilt", kStepDegrees);
@@ -126,8 +130,20 @@ void drawClearance(AppContext& context) {
     ui::text(away);
 }
 
+// How far the blade gets, before it saws.
+void drawCoverage(AppContext& context) {
+  const auto covered = context.bench.saw->coverage();
+  if (!covered) return;
+  if (covered->passesThrough())
+    ui::textColored(styleColours().quiet, shownText("Passes through the whole section"));
+  else
+    ui::textColored(styleColours().warning,
+                    phrase("Does not pass through: {:.0f} % of the section", std::floor(100 * covered->share)));
+}
+
 void drawCut(AppContext& context) {
   Sawing& saw = *context.bench.saw;
+  drawCoverage(context);
   drawClearance(context);
   bool is_guided = saw.guide;
   if (ui::checkbox("Guide blade by mouse", &is_guided)) runSaw(context, "saw.guide", {is_guided ? "on" : "off"});
@@ -144,6 +160,9 @@ void drawCut(AppContext& context) {
 }
 
 void drawCutAtOnce(AppContext& context) {
+  if (const auto covered = context.bench.saw->coverage(); covered && covered->sections > covered->sections_met)
+    ui::textColored(styleColours().quiet, phrase("Without bounds it also cuts {} more section(s)",
+                                                 covered->sections - covered->sections_met));
   ui::text("Cut at once, keep");
   const float width = (ImGui::GetContentRegionAvail().x - 2 * ImGui::GetStyle().ItemSpacing.x) / 3;
   static constexpr std::array<std::array<const char*, 3>, 3> kSides = {
@@ -184,6 +203,7 @@ void drawSawPanel(AppContext& context, SawPanelState& state) {
   const bool has_planes = saw.plan().chosen() != nullptr;
   if (!has_planes) ui::textColored(styleColours().quiet, "Plan a cut from");
   drawWaysOfPlanning(context);
+  drawDie(context);
   if (has_planes) {
     ImGui::Separator();
     drawPlanes(context, state);
