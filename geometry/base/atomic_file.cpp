@@ -317,7 +317,7 @@ bool isUsualName(const std::string& name, std::string_view manifest) {
       "run.toml",    "run.vdb",  "begin.vdb",   "forces.csv", "summary.json",  "session.kerflog",  "sound.wav",
       "tool.toml",   "tool.vdb", "path.toml",   "path.csv",   "saw-plan.toml", "piece-names.toml", "lock",
       "picture.png", "trim.toml"};
-  if (name == manifest || name.starts_with("source-")) return true;
+  if (name == manifest || name.starts_with("source-") || name.starts_with("checkpoint-")) return true;
   if (std::find(kNames.begin(), kNames.end(), name) != kNames.end()) return true;
   return manifest.ends_with(".ply") && name.ends_with(".ply");  // demo anatomy without a recipe
 }

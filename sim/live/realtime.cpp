@@ -103,16 +103,34 @@ void releaseRealTime(const RealTimeGrant& grant) noexcept {
   if (grant.is_memory_locked) ::munlockall();
 }
 
+// On Linux a thread has a nice value of its own.
+void lowerPriority() noexcept { (void)::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), 5); }
+
 std::int64_t monotonicNow() noexcept {
   timespec now{};
   ::clock_gettime(CLOCK_MONOTONIC, &now);
   return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
 }
 
+namespace {
+
+timespec timeOf(std::int64_t monotonic_ns) {
+  timespec out{};
+  out.tv_sec = static_cast<time_t>(monotonic_ns / 1'000'000'000);
+  out.tv_nsec = static_cast<long>(monotonic_ns % 1'000'000'000);
+  return out;
+}
+
+}  // namespace
+
+void WakeUp::sleepUntil(std::int64_t monotonic_ns) noexcept {
+  const timespec until = timeOf(monotonic_ns);
+  while (::sem_clockwait(&wakes_, CLOCK_MONOTONIC, &until) != 0 && errno == EINTR) {
+  }
+}
+
 void sleepUntil(std::int64_t monotonic_ns) noexcept {
-  timespec until{};
-  until.tv_sec = static_cast<time_t>(monotonic_ns / 1'000'000'000);
-  until.tv_nsec = static_cast<long>(monotonic_ns % 1'000'000'000);
+  const timespec until = timeOf(monotonic_ns);
   while (::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
   }
 }

@@ -1,6 +1,8 @@
 // Real-time privileges of a thread, and remedies for those the system denies.
 #pragma once
 
+#include <semaphore.h>
+
 #include <array>
 #include <cstdint>
 #include <string>
@@ -43,6 +45,9 @@ RealTimeGrant askForRealTime(const RealTimeRequest& request = {});
 /// Gives back the calling thread's privileges: ordinary priority, memory unlocked.
 void releaseRealTime(const RealTimeGrant& grant) noexcept;
 
+/// For the calling thread, if it works in the background: it gets what the others leave.
+void lowerPriority() noexcept;
+
 /// ns of the clock for periods; never goes back.
 std::int64_t monotonicNow() noexcept;
 /// Sleeps until then (clock_nanosleep, TIMER_ABSTIME on CLOCK_MONOTONIC): no drift, however long the work took.
@@ -51,5 +56,21 @@ std::int64_t monotonicNow() noexcept;
 /// every second (sched_rt_runtime_us), and on two cores takes one from mesher, recorder and window. Spinning would save
 /// the wake-up, 15 to 80 µs of 1000 here, which delays the sample but not the force it gives.
 void sleepUntil(std::int64_t monotonic_ns) noexcept;
+
+/// A sleep that another thread can end.
+class WakeUp {
+ public:
+  WakeUp() noexcept { ::sem_init(&wakes_, 0, 0); }
+  ~WakeUp() { ::sem_destroy(&wakes_); }
+  WakeUp(const WakeUp&) = delete;
+  WakeUp& operator=(const WakeUp&) = delete;
+  /// Until then, or until wake(): one before the sleep counts, too.
+  void sleepUntil(std::int64_t monotonic_ns) noexcept;
+  /// Any thread.
+  void wake() noexcept { ::sem_post(&wakes_); }
+
+ private:
+  ::sem_t wakes_;
+};
 
 }  // namespace kerf

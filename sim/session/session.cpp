@@ -65,12 +65,15 @@ std::size_t Session::loadedIndexOf(const CutObject& object) const noexcept {
   return 0;
 }
 
-Session::Session(State state, Model model, LoadedObjects loaded, SessionSink* sink)
+Session::Session(State state, Model model, LoadedObjects loaded, SessionSink* sink, const SessionRest& rest)
     : model_(std::move(model)),
       state_(std::move(state)),
       history_(state_.objects),
       loaded_(std::move(loaded)),
       sink_(sink),
+      rest_(rest),
+      is_rest_(true),
+      is_stroke_(rest.is_in_stroke),
       last_snapshot_(state_.tick) {
   reserveBricks();
 }
@@ -143,10 +146,7 @@ bool Session::perform(const MoveObject& command) noexcept {
   if (command.object >= state_.objects.size() || hasFrozen()) return false;
   const Rigid3 pose = poseOf(command);
   if (!pose.isUsable()) return false;
-  if (!is_stroke_) {  // a step of undo of its own
-    markAll();
-    history_.close(now());
-  }
+  if (!is_stroke_) closeStep();  // a step of undo of its own
   state_.objects[command.object].moveTo(pose);
   return true;
 }
@@ -185,8 +185,7 @@ bool Session::perform(const CutByPlanes& command) {
   if (!is_good) return false;
   CutObject& whole = state_.objects[command.object];
   const auto put = [&](ObjectPieces& made) {  // an undo step of its own
-    markAll();
-    history_.close(now());
+    closeStep();
     return putInPlace(command.object, made);
   };
   if (offered_ && offered_to_ == command.object) return put(*offered_);
@@ -199,7 +198,7 @@ bool Session::perform(const CutByPlanes& command) {
 }
 
 bool Session::canUndo() const noexcept {
-  return !hasFrozen() && (history_.undoable() > 0 || history_.hasChanges(state_.objects));
+  return !hasFrozen() && !is_rest_ && (history_.undoable() > 0 || history_.hasChanges(state_.objects));
 }
 
 // A cut since the undo drops the steps to redo.
@@ -207,13 +206,16 @@ bool Session::canRedo() const noexcept {
   return !hasFrozen() && !is_stroke_ && history_.redoable() > 0 && !history_.hasChanges(state_.objects);
 }
 
+bool Session::hasSteps() const noexcept {
+  return rest_.has_steps || history_.undoable() > 0 || history_.hasChanges(state_.objects);
+}
+
 bool Session::hasFrozen() const noexcept {
   return std::any_of(state_.objects.begin(), state_.objects.end(), [](const CutObject& o) { return o.isFrozen(); });
 }
 
 void Session::keepForGood() noexcept {
-  markAll();
-  history_.close(now());
+  closeStep();
   history_.keepForGood();
 }
 
@@ -336,6 +338,16 @@ void Session::markAll() noexcept {
   if (history_.hasChanges(state_.objects)) history_.mark(state_.objects);
 }
 
+// Ends the step so far. The next change begins another one.
+void Session::closeStep() noexcept {
+  markAll();
+  if (std::exchange(is_rest_, false)) {
+    rest_.has_steps = hasSteps();
+    history_.keepForGood();
+  }
+  history_.close(now());
+}
+
 // The tool runs down after this and may still cut: that belongs to the stroke, so markAll() makes its step later.
 void Session::endStroke() noexcept {
   is_stroke_ = false;
@@ -346,8 +358,7 @@ void Session::advance(const DeviceSample& sample, StepOutput& output) noexcept {
   const bool presses = sample.isUsable() && sample.pedal != 0;
   if (presses && !is_stroke_) {
     is_stroke_ = true;
-    markAll();
-    history_.close(now());
+    closeStep();
     if (sink_) sink_->mark(StrokeMark::kBegin, state_.tick);
   } else if (!presses && is_stroke_) {
     endStroke();
@@ -389,8 +400,7 @@ void Session::step(const DeviceSample& sample, StepOutput& output) noexcept {
 }
 
 std::vector<std::byte> Session::snapshot() {
-  markAll();
-  history_.close(now());
+  closeStep();
   last_snapshot_ = state_.tick;
   return packState(state_, loaded_);
 }

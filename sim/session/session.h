@@ -31,12 +31,19 @@ class SessionSink {
   virtual void snapshot(std::span<const std::byte>, std::uint64_t /*tick*/) noexcept {}
 };
 
+/// Beside a State: the undo steps that it stands in.
+struct SessionRest {
+  bool is_in_stroke = false;
+  bool has_steps = false;  ///< Session::hasSteps()
+};
+
 class Session {
  public:
   /// @param sink  kept by reference, may be null.
   Session(Model model, LoadedObjects objects, const Rigid3& start, SessionSink* sink = nullptr);
-  /// Starts from a snapshot. Undo leads back to it and no further. @param loaded  the sources of its objects.
-  Session(State state, Model model, LoadedObjects loaded, SessionSink* sink = nullptr);
+  /// Starts from a state, at any tick. Undo leads back to the first step that begins after it: not to the rest of a
+  /// step that began before. @param loaded  the sources of its objects.
+  Session(State state, Model model, LoadedObjects loaded, SessionSink* sink = nullptr, const SessionRest& rest = {});
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
@@ -75,6 +82,9 @@ class Session {
   /// Whether Undo, Redo would have an effect now. @rt
   bool canUndo() const noexcept;
   bool canRedo() const noexcept;
+  /// Whether undo steps stand, those before the state that this session starts from included.
+  bool hasSteps() const noexcept;
+  SessionRest rest() const noexcept { return {is_stroke_, hasSteps()}; }
   /// The steps that Undo and Redo take, and the last of them. @rt  @cost below 1 µs.
   UndoList undoList() const noexcept { return history_.list(state_.objects); }
   /// Whether a split would lose steps to redo. @rt
@@ -105,7 +115,11 @@ class Session {
   const LoadedObjects& loaded() const { return loaded_; }
   /// Index in loaded() of the object that this one is or is a piece of, also after several splits. @rt
   std::size_t loadedIndexOf(const CutObject& object) const noexcept;
+  /// SessionHistory::bytes().
+  std::size_t historyBytes() const noexcept { return history_.bytes(); }
   std::uint64_t hash() const { return state_.hash(); }
+  /// The same number, faster: State::hashNow().
+  std::uint64_t hashNow() noexcept { return state_.hashNow(); }
 
   /// Ticks between two state checks in the log. In step() a check waits until few enough bricks changed right before
   /// it, if need be to the end of the cut; in tick() for half as long again at most.
@@ -142,6 +156,7 @@ class Session {
   void recordCheck(std::uint64_t tick) noexcept;
   void endStroke() noexcept;
   void markAll() noexcept;
+  void closeStep() noexcept;
   void splitWhatIsApart();
   bool split(std::size_t index, double crumb_mm3);
   bool putInPlace(std::size_t index, ObjectPieces& made) noexcept;
@@ -153,6 +168,8 @@ class Session {
   LoadedObjects loaded_;
   SessionSink* sink_;
 
+  SessionRest rest_;
+  bool is_rest_ = false;  // no step has begun since the state that this starts from
   bool is_stroke_ = false;
   bool is_check_due_ = false;
   std::uint64_t snapshot_every_ = 0;

@@ -99,6 +99,15 @@ inline void pack(const StateCheck& check, std::span<std::byte, kCheckBytes> to) 
   BytePacker(to.data()).u64(state_hash).vec(force).vec(torque);
 }
 
+inline StateCheck unpackCheck(const std::byte* from) {
+  ByteUnpacker in(from);
+  StateCheck check;
+  check.state_hash = in.u64();
+  check.force.force = in.vec();
+  check.force.torque = in.vec();
+  return check;
+}
+
 /// CRC-32 (the one of zlib, PNG and Ethernet) of all so far and `bytes`. Start with 0.
 std::uint32_t checksum(std::uint32_t so_far, std::span<const std::byte> bytes);
 

@@ -159,14 +159,8 @@ class Parser {
         return samples(tick, payload);
       case kCommandRecord:
         return event(tick, SessionCommand{{reinterpret_cast<const char*>(payload.data()), payload.size()}});
-      case kCheckRecord: {
-        if (payload.size() != kCheckBytes) return false;
-        StateCheck check;
-        check.state_hash = in.u64();
-        check.force.force = in.vec();
-        check.force.torque = in.vec();
-        return event(tick, check);
-      }
+      case kCheckRecord:
+        return payload.size() == kCheckBytes && event(tick, unpackCheck(payload.data()));
       case kSnapshotRecord:
         if (payload.size() < 8) return false;
         return event(tick, SessionSnapshot{in.u64(), {payload.begin() + 8, payload.end()}});

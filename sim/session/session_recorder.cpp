@@ -51,6 +51,7 @@ struct SessionRecorder::State {
   void take(const Entry& entry);
   void endRun();
   void addGap(std::uint64_t tick, std::uint64_t count);
+  void tell(const Entry& entry);
   Expected<void> drain();
   void fail(const Error& why);
 
@@ -70,7 +71,8 @@ struct SessionRecorder::State {
   SessionLogWriter log;
   std::vector<std::byte> run_payload;  // consecutive samples
   std::uint64_t run_first = 0;
-  std::uint64_t taken = 0;  // entries out of the queue
+  std::uint64_t taken = 0;          // entries out of the queue
+  std::vector<RecordedEntry> told;  // for on_written
 
   // Any thread.
   mutable std::mutex mutex;
@@ -105,6 +107,21 @@ void SessionRecorder::State::endRun() {
 void SessionRecorder::State::addGap(std::uint64_t tick, std::uint64_t count) {
   endRun();
   log.add(tick, SessionGap{count});
+  if (options.on_written) told.push_back({tick, SessionGap{count}});
+}
+
+void SessionRecorder::State::tell(const Entry& entry) {
+  ByteUnpacker in(entry.payload.data());
+  RecordedEntry& out = told.emplace_back();
+  out.tick = entry.tick;
+  if (entry.kind == kSamplesRecord)
+    out.what = unpackSample(entry.payload.data());
+  else if (entry.kind == kCommandRecord)
+    out.what = entry.command;
+  else if (entry.kind == kStrokeRecord)
+    out.what = static_cast<StrokeMark>(in.u32());
+  else
+    out.what = unpackCheck(entry.payload.data());
 }
 
 void SessionRecorder::State::take(const Entry& entry) {
@@ -123,6 +140,7 @@ void SessionRecorder::State::take(const Entry& entry) {
   } else {
     log.addRecord(entry.kind, entry.tick, payload);
   }
+  if (options.on_written) tell(entry);
 }
 
 Expected<void> SessionRecorder::State::drain() {
@@ -133,7 +151,9 @@ Expected<void> SessionRecorder::State::drain() {
     ++taken;
   }
   endRun();
-  return log.write();
+  KERF_CHECK(log.write());
+  if (!told.empty()) options.on_written(std::exchange(told, {}));
+  return {};
 }
 
 void SessionRecorder::State::fail(const Error& why) {

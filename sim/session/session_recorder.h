@@ -4,8 +4,11 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
+#include <variant>
+#include <vector>
 
 #include "sim/session/command.h"
 #include "sim/session/session_log.h"
@@ -20,6 +23,12 @@ enum class RecordStatus : std::uint8_t {
   kRefused     ///< lost: a sample whose tick is not later than the last one's. Counted, and a SessionGap stands there
 };
 
+/// One record as the log holds it.
+struct RecordedEntry {
+  std::uint64_t tick = 0;
+  std::variant<DeviceSample, Command, StateCheck, StrokeMark, SessionGap> what;
+};
+
 struct RecorderOptions {
   /// Samples, commands, checks and marks that may wait for the disk; each takes 448 bytes, allocated once. 8192 is
   /// eight seconds of samples. Too few and a slow disk makes gaps.
@@ -29,6 +38,8 @@ struct RecorderOptions {
   /// Longest time between write and sync: a power failure loses that much, a write and the sync. Every sync costs the
   /// disk a few milliseconds.
   std::chrono::milliseconds sync_every{200};
+  /// Receives the records of each write, in their order, on the recording thread. May be empty.
+  std::function<void(std::vector<RecordedEntry>)> on_written;
 };
 
 struct RecorderStatus {

@@ -64,11 +64,14 @@ int runRecover(const RecoverArguments& a) {
                              {"seconds", recovered->manifest.duration_s},
                              {"removed_mm3", r.removed_mm3},
                              {"state_hash", recovered->manifest.state_hash},
+                             {"replayed_from_s", kTick * static_cast<double>(r.first_tick)},
                              {"is_same", r.is_same},
                              {"note", r.note}});
   } else {
     printText("recovered {:.3f} s with {}; removed {:.4f} mm3; state {}\n", recovered->manifest.duration_s,
               recovered->manifest.tool_id, r.removed_mm3, recovered->manifest.state_hash);
+    if (r.first_tick > 0)
+      printText("replayed from the checkpoint at {:.3f} s\n", kTick * static_cast<double>(r.first_tick));
     if (!r.note.empty()) printText("{}\n", r.note);
     if (!r.is_same && r.checks > 0)
       printText("DIFFERS from the recording, from tick {} on: check the run before you use it\n", r.differs_at);
@@ -83,7 +86,8 @@ void addRecover(CLI::App& command, int& exit_code) {
   auto a = std::make_shared<RecoverArguments>();
   command.footer(
       "For a session of the window or of kerf live whose program crashed. The log holds the session up to at most one "
-      "second before the end; this command replays it and writes the rest of the run. It also rebuilds a damaged "
+      "second before the end; this command starts from the last checkpoint, replays the rest and writes the run. It "
+      "also rebuilds a damaged "
       "run.vdb of an ended session. Without RUN it lists the lost sessions of the window. A killed cut along a path "
       "leaves no files: repeat the command for the same run.\n"
       "Exit code 0: done; 1: failed, or the state differs from the recording.\n"

@@ -164,10 +164,11 @@ LogPlayer::LogPlayer(const SessionLog& log, const std::string& file, const Model
                      const LoadedObjects& objects, Start start)
     : log_(log), file_(file), event_(start.event), sample_(start.sample) {
   if (start.state)
-    session_.emplace(std::move(*start.state), model, objects);
+    session_.emplace(std::move(*start.state), model, objects, nullptr, start.rest);
   else
     session_.emplace(model, objects, place);
   out_.first_tick = sample_ > 0 ? log.samples[sample_ - 1].tick + 1 : 0;
+  out_.checks = start.is_checked ? 1 : 0;
   noteHowTheLogEnds();
 }
 
@@ -232,7 +233,8 @@ Expected<void> LogPlayer::apply(const SessionCommand& command, std::uint64_t tic
 
 void LogPlayer::compare(const StateCheck& check, std::uint64_t tick) {
   const Wrench& f = session_->state().last_force;
-  require(check.state_hash == session_->hash() && check.force.force == f.force && check.force.torque == f.torque, tick);
+  require(check.state_hash == session_->hashNow() && check.force.force == f.force && check.force.torque == f.torque,
+          tick);
 }
 
 Expected<void> LogPlayer::compare(const SessionSnapshot& snapshot, std::uint64_t tick) {

@@ -51,6 +51,8 @@ class LogPlayer {
     std::size_t event = 0;   ///< first event to handle
     std::size_t sample = 0;  ///< next sample to tick
     std::optional<State> state{};
+    SessionRest rest{};
+    bool is_checked = false;  ///< the state's hash was compared: counts as a check
   };
   /// @param log, file  kept by reference.   @param place  of the tool, at the beginning.
   LogPlayer(const SessionLog& log, const std::string& file, const Model& model, const Rigid3& place,

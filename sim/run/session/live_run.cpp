@@ -18,6 +18,7 @@
 #include "sim/run/scene/chunk_look.h"
 #include "sim/run/scene/load_scene.h"
 #include "sim/run/session/session_pieces.h"
+#include "sim/session/checkpoint.h"
 
 namespace kerf {
 namespace fs = std::filesystem;
@@ -242,6 +243,13 @@ Expected<void> LiveRun::makeFolder() {
   SessionHeader header = sessionHeader(manifest_);
   const SessionHeader settings = describe(haptic_->session());
   header.insert(header.end(), settings.begin(), settings.end());
+  if (options_.checkpoints.is_wanted) {
+    checkpoints_ = std::make_unique<CheckpointMaker>(folder_, haptic_->session().model(), loaded(), options_.start,
+                                                     options_.checkpoints);
+    options_.recorder.on_written = [maker = checkpoints_.get()](std::vector<RecordedEntry> records) {
+      maker->add(std::move(records));
+    };
+  }
   auto recorder = SessionRecorder::start(folder_ / internal::kRunLog, header, options_.recorder);
   if (recorder) {
     recorder_.emplace(std::move(*recorder));
@@ -416,6 +424,7 @@ Expected<RunManifest> LiveRun::finish(bool keeps_log) {
   showNewPieces();
   for (const Shown& object : shown_) object.mesher->stop();
   const auto closed = recorder_->close();
+  if (checkpoints_) checkpoints_->stop();
   std::vector<const BrickField*> beside;  // null: as loaded by the session
   for (const LiveNeighbour& other : neighbours_)
     beside.push_back(other.known.has_begin ? other.original.get() : nullptr);
@@ -423,6 +432,7 @@ Expected<RunManifest> LiveRun::finish(bool keeps_log) {
   manifest_.summary_sha256 = internal::writeSessionSummary(folder_, haptic_->peaks()).value_or("");
   auto ended = endSessionRun(folder_, haptic_->session(), manifest_, labels_,
                              options_.from.empty() ? nullptr : original_.get(), beside);
+  if (ended) removeCheckpoints(folder_);
   if (ended && closed) return manifest_;
   // The cut is worth more than its log.
   if (ended) {

@@ -20,6 +20,7 @@
 #include "geometry/base/error.h"
 #include "geometry/base/progress.h"
 #include "geometry/boolean/post_op_mesh.h"
+#include "sim/live/checkpoint_maker.h"
 #include "sim/live/haptic_thread.h"
 #include "sim/live/mesher_thread.h"
 #include "sim/live/scan_colours.h"
@@ -41,6 +42,7 @@ struct LiveRunOptions {
   HapticOptions haptic;
   RecorderOptions recorder;
   MesherThreadOptions mesher;
+  CheckpointOptions checkpoints;
   /// An ended run to continue: its cuts remain, and undo reaches back to its end. Empty: none.
   std::filesystem::path from;
   /// Neighbours stand where their scans stand. The tool meets them, and cuts of them are recorded. At most
@@ -144,6 +146,8 @@ class LiveRun {
   /// As HapticThread::send(); also records chosen tools for the manifest.
   bool send(const Command& command);
   RecorderStatus recorderStatus() const { return recorder_->status(); }
+  /// Null: not wanted.
+  const CheckpointMaker* checkpoints() const noexcept { return checkpoints_.get(); }
 
   // Display: each object has a mesher of its own, with its id. An object that was split, or a piece that an undo
   // joined, keeps its mesher as long as it may return.
@@ -214,6 +218,7 @@ class LiveRun {
   std::deque<BrickFeed> feeds_;                      // of the loaded objects
   std::vector<MesherThreadOptions> mesher_options_;  // of the same
   std::optional<RunLock> lock_;
+  std::unique_ptr<CheckpointMaker> checkpoints_;  // outlives the recorder
   std::optional<SessionRecorder> recorder_;
   std::unique_ptr<HapticThread> haptic_;
   std::mutex mutex_;

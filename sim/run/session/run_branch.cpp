@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 #include <set>
 #include <system_error>
 #include <utility>
@@ -16,6 +15,7 @@
 #include "sim/run/files/run_output.h"
 #include "sim/run/report/log_player.h"
 #include "sim/run/session/session_run.h"
+#include "sim/session/checkpoint.h"
 #include "sim/session/session_log.h"
 
 namespace kerf {
@@ -239,8 +239,8 @@ Expected<RunManifest> branchRun(const fs::path& run_folder, const BranchPoint& p
   const auto write = [&](const Session& session, const SessionLog& log) {
     written = writeBranch(run_folder, recording, log, session, folder.staging());
   };
-  KERF_TRY(replayed, replay(recording.log, file, recording.model, recording.objects, progress,
-                            std::numeric_limits<double>::infinity(), 0, write));
+  KERF_TRY(replayed, replay(recording.log, file, recording.model, recording.objects, progress, kToTheEnd, 0, write,
+                            findCheckpoints(run_folder)));
   if (replayed.checks > 0 && !replayed.is_same)
     return fail({.code = Error::Code::kUnsupported,
                  .file = file,

@@ -35,7 +35,7 @@ struct BranchPoint {
 /// Errors: kEmpty when nothing is cut at that moment, in a run that began with its case; kNotFound for a step that is
 /// not in the log; kUnsupported when the log lacks samples before that moment, or its replay differs from the
 /// recording; those of replayRun(); kCancelled.
-/// @cost  as a replay up to that moment: about a quarter of the session's time.
+/// @cost  as a replay up to that moment, 2 to 25 % of the session's time; of an open session from its last checkpoint.
 Expected<RunManifest> branchRun(const std::filesystem::path& run_folder, const BranchPoint& point,
                                 const std::filesystem::path& branch_folder, const Progress& progress = {});
 

@@ -26,6 +26,7 @@
 #include "sim/run/session/added_materials.h"
 #include "sim/run/session/run_branch.h"
 #include "sim/run/session/session_pieces.h"
+#include "sim/session/checkpoint.h"
 
 namespace kerf {
 namespace {
@@ -206,7 +207,7 @@ Expected<void> endSessionRun(const fs::path& run_folder, const Session& session,
                              const PieceLabels& labels, const BrickField* loaded,
                              std::span<const BrickField* const> beside) {
   // A continued session without undo steps is unchanged.
-  if (loaded && !session.canUndo()) return nothingCut(run_folder);
+  if (loaded && !session.hasSteps()) return nothingCut(run_folder);
   return internal::writeEnd(run_folder, session, manifest, labels, loaded, beside);
 }
 
@@ -360,11 +361,13 @@ Expected<Recovery> recoverRun(const fs::path& run_folder, const Progress& progre
     ended = endSessionRun(run_folder, session, manifest, internal::labelsOf(run_folder, manifest), before.loaded(),
                           before.beside);
   };
-  KERF_TRY(replayed, internal::replayRun(run_folder, manifest, progress, end));
+  const auto checkpoints = has_ended ? std::vector<fs::path>{} : findCheckpoints(run_folder);
+  KERF_TRY(replayed, internal::replayRun(run_folder, manifest, progress, end, kToTheEnd, 0, checkpoints));
   if (!ended && ended.error().code == Error::Code::kEmpty && has_dropped)
     ended.error().hint =
         "its log still holds the undone steps: session.recover in the window saves them as separate runs";
   KERF_CHECK(ended);
+  removeCheckpoints(run_folder);
   if (has_ended)
     replayed.note = fmt::format("{} was damaged: rebuilt from the log{}{}", internal::kRunField,
                                 replayed.note.empty() ? "" : "; ", replayed.note);

@@ -2,7 +2,7 @@
 //
 // Before the first tick: run.toml, marked as open; tools/ with all tools of the session; the lock. During the session:
 // session.kerflog grows. At the end: run.vdb, and run.toml once more. A killed program leaves the folder open:
-// recoverRun() replays the log and does the rest. Nothing is ever deleted here.
+// recoverRun() replays the log and does the rest. Nothing is ever deleted here but checkpoints.
 #pragma once
 
 #include <cstdint>
@@ -106,7 +106,8 @@ struct Recovery {
 /// Errors: kUnsupported for a run that is no session, has ended and is whole, or is open in another program; kEmpty
 /// when nothing is cut at its end: its log has the undone steps, see droppedSteps() in run_branch.h; those of
 /// replayRun().
-/// @cost  at most the session's time: usually about a quarter.
+/// Starts from the newest usable checkpoint (checkpoint.h); the replay's note names one that it had to leave out.
+/// @cost  seconds; without a checkpoint at most the session's time, usually 2 to 25 % of it.
 Expected<Recovery> recoverRun(const std::filesystem::path& run_folder, const Progress& progress = {});
 
 namespace internal {
