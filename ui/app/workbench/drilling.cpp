@@ -37,7 +37,7 @@ struct Drilling::Running {
   Hole hole;
   double deepest = 0;                    // of the tip, mm
   std::uint64_t began = 0, cleared = 0;  // ticks
-  bool is_begun = false, is_undone_after = false;
+  bool is_through = false, is_undone_after = false;
 };
 
 Drilling::Drilling(Workbench& bench) : bench_(bench) {}
@@ -208,7 +208,8 @@ Expected<void> Drilling::go() {
   }
   ++holes_;
   const std::uint64_t now = document.report().tick;
-  drilling_ = std::make_unique<Running>(Running{.order = order, .hole = hole, .began = now, .cleared = now});
+  drilling_ = std::make_unique<Running>(
+      Running{.order = order, .hole = hole, .began = now, .cleared = now, .is_through = is_through_});
   bench_.steps->beginPlannedCut(phrase("hole {}", holes_));
   last_depth_ = 0;
   return {};
@@ -255,7 +256,6 @@ void Drilling::update() {
     bench_.steps->endPlannedCut();
     return;
   }
-  d.is_begun = true;
   if (now.is_latched && now.tick > d.cleared + kHoleClearEvery) {
     bench_.document->send(ClearLatch{});
     d.cleared = now.tick;
@@ -272,12 +272,12 @@ void Drilling::finish() {
   bench_.steps->endPlannedCut();
   last_depth_ = std::max(d.deepest, 0.0);
   const bool is_reached = last_depth_ >= d.hole.depth - 2 * kReached;
-  if (is_reached) {
+  if (is_reached && hole_ == d.hole) {  // the next one may be planned already
     place_.reset();
     hole_.reset();
   }
   const std::string name = phrase("Hole {}", holes_);
-  if (is_reached && is_through_)
+  if (is_reached && d.is_through)
     bench_.notices->say(phrase("{}: through, {:.1f} mm wide", name, 2 * shape_.radius));
   else if (is_reached)
     bench_.notices->say(phrase("{}: depth reached {:.1f} mm, {:.1f} mm wide", name, d.hole.depth, 2 * shape_.radius));

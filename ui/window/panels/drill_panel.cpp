@@ -64,8 +64,16 @@ void drawHolePlace(AppContext& context, DrillPanelState& state, const std::optio
     state.shown = hole->entry;
     setHoleText(state.place, fmt::format("{:.1f} {:.1f}", readout->place[0], readout->place[1]));
   }
-  if (state.focus_in > 0 && --state.focus_in == 0) ImGui::SetKeyboardFocusHere();
-  if (!holeField("x, y in mm", state.place, -1)) return;
+  // While a typed hole is drilled, the next place is awaited. A window that appears may take the keys away.
+  if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape))) state.is_typed = false;
+  if (state.is_typed && context.bench.drill->isDrilling() && !ImGui::IsAnyItemActive()) state.focus_in = 1;
+  if (state.focus_in > 1)
+    --state.focus_in;
+  else if (state.focus_in == 1)
+    ImGui::SetKeyboardFocusHere();
+  const bool is_taken = holeField("x, y in mm", state.place, -1);
+  if (state.focus_in == 1 && ImGui::IsItemActive()) state.focus_in = 0;
+  if (!is_taken) return;
   state.is_typed = true;
   state.shown.reset();
   runIfEnabled(context, "drill.at", numbersOf(state.place.data()));
@@ -187,13 +195,10 @@ bool isDrillPanelNeeded(const AppContext& context) {
 
 void drawPlannedHole(AppContext& context, DrillPanelState& state, double pixels) {
   const Drilling& drill = *context.bench.drill;
-  const auto status = drill.status();
   const bool is_shown = isDrillPanelNeeded(context);
   if (is_shown && !state.was_shown) state.focus_in = 3;  // the key that opened it is no text
   state.was_shown = is_shown;
   if (!is_shown) return;
-  if (status && !state.was_drilling && state.is_typed) state.focus_in = 2;
-  state.was_drilling = status.has_value();
   if (const auto readout = drill.readout(context.camera)) drawHole(context, *readout, pixels);
 }
 

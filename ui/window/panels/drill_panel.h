@@ -17,7 +17,6 @@ struct DrillPanelState {
   int focus_in = 0;        ///< frames until the place takes the keys
   bool was_shown = false;  ///< in the last frame
   bool is_typed = false;   ///< the place: the next one is awaited
-  bool was_drilling = false;
 };
 
 /// Holes are planned or drilled.
