@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <iterator>
 #include <thread>
 
@@ -12,6 +14,7 @@
 #include "tests/support/open_block.h"
 #include "tests/support/temporary_folder.h"
 #include "ui/app/commands/app_commands.h"
+#include "ui/app/commands/pointing.h"
 #include "ui/app/document/document.h"
 #include "ui/app/document/jobs.h"
 #include "ui/app/script/app_script.h"
@@ -298,6 +301,26 @@ TEST_F(ImportCommandsTest, LassoAndLineCutPartsAwayAndTheCaseRepeatsThem) {
   ASSERT_TRUE(play(bench, read + "import.trim-load \"" + made.string() +
                               "\"\nimport.trim-rim 1\nimport.voxel 0.2\nimport.start\nwait\n"));
   EXPECT_EQ(cases(), 1u);
+}
+
+TEST_F(ImportCommandsTest, ALassoRemovesWhatLiesUnderItInPerspectiveToo) {
+  Workbench bench(options());
+  ASSERT_TRUE(play(bench, "import.read \"" + bowl().string() + "\"\nwait\n"));
+  const ImportPlan& plan = *bench.imports->plan();
+  for (const double degrees : {0.0, 60.0}) {
+    Camera camera = *cameraFromView("30,40");
+    camera.half_height = 5;
+    setFieldOfView(camera, degrees * M_PI / 180);
+    AppContext context{.bench = bench, .camera = camera, .width = 400, .height = 300};
+    const Vec3d target = plan.found().mesh->vertices[plan.found().mesh->triangles[700][0]];
+    const auto [x, y] = pixelOf(camera, target, 400, 300);
+    ASSERT_TRUE(
+        runAppCommand(context, "import.trim-lasso", wordsOf({x - 1, y - 1, x + 1, y - 1, x + 1, y + 1, x - 1, y + 1})));
+    const auto& left = plan.mesh()->vertices;
+    EXPECT_EQ(std::find(left.begin(), left.end(), target), left.end()) << degrees;
+    EXPECT_LT(plan.trimmed()->triangles_removed, 40u) << "through both walls, and no more";
+    ASSERT_TRUE(runAppCommand(context, "import.trim-reset"));
+  }
 }
 
 TEST_F(ImportCommandsTest, WithoutAChoiceItIsTheCaseThatFileOpenMakes) {

@@ -77,12 +77,19 @@ void Desktop::listen() {
   using Kind = InputEvent::Kind;
   glfwSetWindowUserPointer(window_, &heard_);
   glfwSetMouseButtonCallback(window_, [](GLFWwindow* w, int button, int action, int modifiers) {
-    InputEvent e{.kind = Kind::kButton, .key = button, .modifiers = modifiers, .is_down = action == GLFW_PRESS};
-    glfwGetCursorPos(w, &e.x, &e.y);
+    // GLFW would give the place of the pointer now: after a slow frame far from that of the press.
+    const InputEvent e{.kind = Kind::kButton,
+                       .key = button,
+                       .modifiers = modifiers,
+                       .is_down = action == GLFW_PRESS,
+                       .x = heardBy(w).x,
+                       .y = heardBy(w).y};
     heardBy(w).events.push_back(e);
     if (button == GLFW_MOUSE_BUTTON_LEFT && e.is_down) heardBy(w).double_click.press(glfwGetTime(), e.x, e.y);
   });
   glfwSetCursorPosCallback(window_, [](GLFWwindow* w, double x, double y) {
+    heardBy(w).x = x;
+    heardBy(w).y = y;
     heardBy(w).events.push_back({.kind = Kind::kMove, .modifiers = heldOf(w), .x = x, .y = y});
   });
   glfwSetWindowRefreshCallback(window_, [](GLFWwindow* w) { heardBy(w).is_damaged = true; });

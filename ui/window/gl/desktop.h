@@ -59,6 +59,7 @@ class Desktop {
     KeyTrickle for_panels;
     bool is_damaged = true;
     DoubleClick double_click;  // of the left button
+    double x = 0, y = 0;       // of the last move
   };
 
   void listen();
