@@ -305,7 +305,7 @@ int runExport(const ExportArguments& given) {
 void addExport(CLI::App& command, int& exit_code) {
   auto a = std::make_shared<ExportArguments>();
   command.footer("Example: kerf export molar.run -o molar.stl -o molar.ply");
-  command.add_option("RUN|CASE", a->bundle, "run or case folder")->required();
+  command.add_option("RUN|CASE", a->bundle, "run or case folder, or a session file (.kerf)")->required();
   command
       .add_option("-o,--output", a->outputs,
                   writableFormats() + "; colours in " + colorFormats() + ". Repeat for several")

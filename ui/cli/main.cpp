@@ -1,20 +1,26 @@
 // kerf: all functions of Kerf without a window.
 #include <fmt/format.h>
+#include <stdlib.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstddef>
 #include <cstdio>
+#include <cstring>
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "geometry/base/build_info.h"
+#include "ui/app/import/session_file.h"
 #include "ui/app/program/manual.h"
 #include "ui/app/script/window_help.h"
 #include "ui/cli/commands.h"
 
 namespace {
 
+namespace fs = std::filesystem;
 using namespace kerf::cli;
 using kerf::Error;
 using kerf::kOk;
@@ -36,6 +42,42 @@ std::string footer(const std::vector<kerf::HelpPage>& pages, std::size_t column)
                    "--json prints the report on standard output. Messages go to standard error.",
                    kerf::kExitCodes);
 }
+
+// Sessions saved as one file, for commands that take a run: unpacked to a temporary folder while the program works.
+class UnpackedSessions {
+ public:
+  ~UnpackedSessions() {
+    std::error_code ignored;
+    if (!folder_.empty()) fs::remove_all(folder_, ignored);
+  }
+  /// The words of a command line, with the unpacked run in place of each such file.
+  kerf::Expected<std::vector<std::string>> unpack(int argc, char** argv) {
+    std::vector<std::string> out(argv, argv + argc);
+    // These write a run, which refers to its case.
+    const bool writes_run = argc > 1 && (out[1] == "cut" || out[1] == "live");
+    for (std::size_t n = 2; n < out.size() && !writes_run; ++n) {
+      if (!kerf::isSessionFile(out[n])) continue;
+      if (folder_.empty()) {
+        std::string name = (fs::temp_directory_path() / "kerf-XXXXXX").string();
+        if (!::mkdtemp(name.data()))
+          return kerf::fail({.code = Error::Code::kWriteFailed,
+                             .file = name,
+                             .place = "folder for " + out[n],
+                             .found = std::strerror(errno),
+                             .expected = "a writable folder",
+                             .hint = "set TMPDIR to one"});
+        folder_ = name;
+      }
+      TerminalProgress progress;
+      KERF_TRY(run, kerf::unpackSession(out[n], folder_, progress.callback()));
+      out[n] = run.string();
+    }
+    return out;
+  }
+
+ private:
+  fs::path folder_;
+};
 
 // For an unknown command CLI11 only reports that one is required.
 bool isKnown(const std::string& word) {
@@ -75,5 +117,14 @@ int main(int argc, char** argv) {
     if (std::find(argv, argv + argc, std::string_view("--json")) != argv + argc) answerInJson();
     return kUsage;
   }
-  return runProgram(app, argc, argv, exit_code);
+  UnpackedSessions sessions;
+  const auto words = sessions.unpack(argc, argv);
+  if (!words) {
+    complain(words.error());
+    if (std::find(argv, argv + argc, std::string_view("--json")) != argv + argc) answerInJson();
+    return kerf::kFailed;
+  }
+  std::vector<const char*> line;
+  for (const std::string& word : *words) line.push_back(word.c_str());
+  return runProgram(app, argc, line.data(), exit_code);
 }

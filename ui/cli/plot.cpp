@@ -95,7 +95,9 @@ void addPlot(CLI::App& command, int& exit_code) {
       "time. A geometry run has no time to show.\n"
       "Example: kerf plot molar.run -o forces.svg\n"
       "         kerf plot molar.run --show force,distance --from 2 --until 4 -o near.svg");
-  command.add_option("RUN", a->run, "run folder: cut with --hand, or a session of the window")->required();
+  command
+      .add_option("RUN", a->run, "run folder: cut with --hand, or a session of the window, also as one file (.kerf)")
+      ->required();
   command.add_option("-o,--output", a->output, "picture to write, SVG")->type_name("FILE.svg")->required();
   command.add_option("--show", a->show, "quantities to show, separated by commas (default: all of the run)")
       ->delimiter(',')

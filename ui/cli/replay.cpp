@@ -82,7 +82,8 @@ void addReplay(CLI::App& command, int& exit_code) {
       "Exit code 0: the same; 1: it differs, or the log cannot be read; 3: the log is cut short, the same up to "
       "there.\n"
       "Example: kerf replay molar.run");
-  command.add_option("RUN", a->run, "run folder, cut with --hand; REQUIRED without --commands");
+  command.add_option("RUN", a->run,
+                     "run folder, cut with --hand, or a session file (.kerf); REQUIRED without --commands");
   command.add_option("--from", a->from,
                      "start from the last snapshot at or before this simulated second; earlier ticks are not compared");
   command.add_option("--until", a->until, "stop after this many simulated seconds");

@@ -9,6 +9,7 @@
 #include "sim/run/session/run_branch.h"
 #include "sim/run/session/session_run.h"
 #include "ui/app/base/language.h"
+#include "ui/app/import/opening.h"
 
 namespace kerf {
 
@@ -20,6 +21,7 @@ FileHistory::FileHistory(const WorkbenchOptions& options, Notices& notices, Jobs
 }
 
 void FileHistory::remember(const fs::path& path) {
+  lost_ = findLostSessions(options_.data_folder);  // opening may have recovered one
   if (!options_.keeps_recent) return;
   opened_.clear();
   // The first screen has buttons for demos, and for the case of a session.
@@ -120,11 +122,8 @@ void FileHistory::recover(std::size_t n) {
     if (recovered) {
       opened_.clear();
       sessionWritten(folder);
-      const Replay& replay = recovered->replay;
-      const bool differs = !replay.is_same && replay.checks > 0;
-      notices_.add({differs, fmt::format("recovered {:.1f} s, {:.3f} mm3 removed: {}\n{}{}",
-                                         recovered->manifest.duration_s, replay.removed_mm3, folder.string(),
-                                         replay.note, differs ? "; it DIFFERS from the recording" : "")});
+      const bool differs = !recovered->replay.is_same && recovered->replay.checks > 0;
+      notices_.add({differs, tellRecovery(*recovered) + "\n" + folder.string()});
     } else if (recovered.error().code != Error::Code::kEmpty) {
       notices_.complain(recovered.error());
     } else if (over->dropped.failed) {

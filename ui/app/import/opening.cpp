@@ -23,6 +23,7 @@
 #include "preprocess/volume/label_volume.h"
 #include "sim/run/files/run_files.h"
 #include "sim/run/files/run_manifest.h"
+#include "sim/run/session/session_run.h"
 #include "ui/app/base/language.h"
 #include "ui/app/import/label_plan.h"
 #include "ui/app/import/session_file.h"
@@ -343,6 +344,16 @@ Expected<Opened> openFileToCut(const fs::path& file, const OpeningOptions& optio
 
 }  // namespace
 
+std::string tellRecovery(const Recovery& recovery) {
+  const Replay& replay = recovery.replay;
+  std::string out = phrase("recovered {:.1f} s, {:.3f} mm3 removed", recovery.manifest.duration_s, replay.removed_mm3);
+  if (replay.first_tick > 0)
+    out += "\n" + phrase("Checkpoint at {:.1f} s", kTick * static_cast<double>(replay.first_tick));
+  if (!replay.note.empty()) out += "\n" + replay.note;
+  if (!replay.is_same && replay.checks > 0) out += "\n" + phrase("It differs from the recording: check it before use");
+  return out;
+}
+
 Expected<Opened> openToCut(const fs::path& path, const OpeningOptions& options, const Progress& progress) {
   if (isSessionFile(path)) return openFileToCut(path, options, progress);
   Opened out;
@@ -352,7 +363,10 @@ Expected<Opened> openToCut(const fs::path& path, const OpeningOptions& options, 
   fs::path case_folder = path;
   if (kind == FileKind::kRun) {
     KERF_TRY(before, readRunManifest(path));
-    KERF_CHECK(requireEnded(path, before));
+    if (before.is_open) {
+      KERF_TRY(recovered, recoverRun(path, partOf(progress, 0, 0.3)));
+      out.notes.push_back(phrase("This session was not ended.") + "\n" + tellRecovery(recovered));
+    }
     KERF_TRY(folder, caseOfRun(path));
     case_folder = folder;
     out.name = isOfData(path, options.data_folder) ? sessionTitle(path) : nameOf(fs::path(before.case_path));

@@ -108,9 +108,10 @@ struct Opened {
 
 /// Opens a case, or prepares a scan or recipe first. Reuses the case of a scan prepared in the same way before. For a
 /// label volume it writes a recipe below the data folder and bakes that. For a run it opens the case with all cuts and
-/// neighbours. It unpacks a session file below the data folder first, unless that session is there already. One jaw of
-/// a pair opens with its partner as a neighbour, if that still exists. The notes name a neighbour that hardly fits the
-/// frame. Errors: those of reading, closing and loading; kUnsupported for a session that has not ended; kCancelled,
+/// neighbours; it recovers a session of a killed program first, and the notes say so. It unpacks a session file below
+/// the data folder first, unless that session is there already. One jaw of a pair opens with its partner as a
+/// neighbour, if that still exists. The notes name a neighbour that hardly fits the frame. Errors: those of reading,
+/// closing and loading; kUnsupported for a session that another program works on; those of recoverRun(); kCancelled,
 /// which leaves nothing behind.
 /// @cost seconds; a jaw at 0.1 mm 10 to 20 s.
 Expected<Opened> openToCut(const std::filesystem::path& path, const OpeningOptions& options,
@@ -120,6 +121,9 @@ Expected<Opened> openToCut(const std::filesystem::path& path, const OpeningOptio
 /// Errors: also those of branchRun().   @cost  also that of branchRun().
 Expected<Opened> openBranchToCut(const std::filesystem::path& run_folder, const BranchPoint& point,
                                  const OpeningOptions& options, const Progress& progress = {});
+
+/// Message about a recovered session.
+std::string tellRecovery(const Recovery& recovery);
 
 /// A new session folder below the data folder.   @param name  of the object.
 std::filesystem::path newSessionFolder(const std::filesystem::path& data_folder, const std::string& name);
