@@ -91,7 +91,7 @@ std::vector<const ImGuiWindow*> windows() {
   return out;
 }
 
-// In every size and language: no window overlaps another one, no text is cut off, whatever is too high scrolls.
+// In every size and language: no window overlaps another one, no text is cut off, tall content scrolls.
 void Frame::lookEverywhere() {
   context_.settings = &settings_;
   for (const char* const language : {"en", "de"})
