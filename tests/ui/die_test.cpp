@@ -96,7 +96,7 @@ TEST_F(DieOfAnArch, IsCutWithItsPinHoleExportedAndUndone) {
   EXPECT_TRUE(checkMesh(exported->post_op.mesh).print_ready) << "die and model, apart by the kerf";
 
   // As kerf trim does it, to the bit.
-  const auto trimmed = cutByPlanes(*solid, planes, {.kerf_mm = 0.1});
+  const auto trimmed = cutByPlanes(*solid, planes, {.piece_at = {}, .kerf_mm = 0.1, .post_op = {}});
   ASSERT_TRUE(trimmed);
   Mesh wanted;
   for (const PostOpMesh* part : {&trimmed->above, &trimmed->rest}) {

@@ -216,6 +216,28 @@ std::optional<double> undersideOf(std::span<const SawPlane> planes, const Vec3d&
   return out;
 }
 
+// A wall of the model left beside the die would be thinner than 1 mm in places: the plane moves out, past the wall,
+// unless that is thick elsewhere.
+void spareThinWalls(SawPlane& side, std::span<const SawPlane> ends, const Vec3d& occlusal, double from, double to,
+                    const BrickField& bone) {
+  constexpr double kThin = 1, kThick = 5, kThinShare = 0.1, kOutside = 0.5, kStep = 0.2;  // mm
+  const Vec3d outwards = -flattened(side.normal, occlusal).normalized(), across = side.across();
+  const Vec3d down = side.approach / -occlusal.dot(side.approach);  // by 1 mm of height
+  int walls = 0, thin = 0;
+  double thickest = 0;
+  for (double h = from; h <= to; h += 1)
+    for (double w = -kLookedAlong; w <= kLookedAlong; w += 1) {
+      const Vec3d p = side.point + (occlusal.dot(side.point) - h) * down + w * across;
+      if (heightIn(ends, p) < 0 || bone.sample(p) >= 0) continue;
+      double wall = kStep;
+      while (wall < kThick && bone.sample(p + wall * outwards) < 0) wall += kStep;
+      ++walls;
+      thin += wall < kThin;
+      thickest = std::max(thickest, wall);
+    }
+  if (thin > kThinShare * walls && thickest < kThick) side.point += (thickest + kOutside) * outwards;
+}
+
 // The rectangle of a side: from the outline at the top to that at the base.
 void bound(SawPlane& plane, std::span<const Vec3d> corners) {
   constexpr double kOnPlane = 1e-6, kBeyond = 0.5;  // mm
@@ -307,6 +329,10 @@ Expected<DiePlan> planDie(const Vec3d& at, const OcclusalSide& side, const Mesh&
                              choice.base_mm, top - base),
                  fmt::format("at most {:.1f} mm above the underside", top - kCrown - *underside),
                  "lower it: plane.die-set base MM");
+
+  if (choice.has_four_sides)
+    for (std::size_t n = 2; n < 4; ++n)
+      spareThinWalls(out.planes[n], {out.planes.data(), 2}, occlusal, base, top - kCrown, bone);
 
   std::vector<Vec3d> corners = outlineAt(out.planes, at, occlusal, top);
   const std::vector<Vec3d> at_base = outlineAt(out.planes, at, occlusal, base);

@@ -65,11 +65,11 @@ class Sections {
       for (int i = 0; i < kSide; ++i)
         if (const int section = section_[cellOf(i, j)]; section >= 0) f({placeOf(i), placeOf(j)}, section);
   }
-  /// The sections that a blade on the line meets first in most of their columns, about as high as a given one: both
-  /// sides of an arch, but nothing behind it.
+  /// The sections beside a given one that a blade on the line meets first in most of their columns, about as high: both
+  /// sides of an arch, but neither a crown above the jaw nor anything behind it.
   std::vector<int> besideEachOther(double low, double high, int given) const {
-    constexpr double kAsHigh = 15;  // mm
-    std::vector<int> columns(static_cast<std::size_t>(count_), 0), first = columns;
+    constexpr double kAsHigh = 15, kMostShared = 0.2;  // mm; of the columns
+    std::vector<int> columns(static_cast<std::size_t>(count_), 0), first = columns, shared = columns;
     std::vector<double> start(static_cast<std::size_t>(count_), kLooked);
     for (int i = 0; i < kSide; ++i) {
       if (placeOf(i) < low || placeOf(i) > high) continue;
@@ -84,12 +84,15 @@ class Sections {
         first[n] += std::exchange(is_first, false);
         start[n] = std::min(start[n], placeOf(j));
       }
+      for (std::size_t n = 0; n < is_seen.size(); ++n)
+        shared[n] += is_seen[n] && is_seen[static_cast<std::size_t>(given)];
     }
     std::vector<int> out;
     for (int n = 0; n < count_; ++n) {
       const auto at = static_cast<std::size_t>(n);
       const double apart = std::abs(start[at] - start[static_cast<std::size_t>(given)]);
-      if (2 * first[at] > columns[at] && apart < kAsHigh) out.push_back(n);
+      const bool is_beside = kMostShared * columns[at] >= shared[at];
+      if (is_beside && 2 * first[at] > columns[at] && apart < kAsHigh) out.push_back(n);
     }
     return out;
   }

@@ -135,10 +135,10 @@ void drawCoverage(AppContext& context) {
   const auto covered = context.bench.saw->coverage();
   if (!covered) return;
   if (covered->passesThrough())
-    ui::textColored(styleColours().quiet, shownText("Passes through the whole section"));
+    ui::textColored(styleColours().quiet, shownText("Passes right through"));
   else
     ui::textColored(styleColours().warning,
-                    phrase("Does not pass through: {:.0f} % of the section", std::floor(100 * covered->share)));
+                    phrase("Does not pass through ({:.0f} %)", std::floor(100 * covered->share)));
 }
 
 void drawCut(AppContext& context) {
@@ -161,8 +161,8 @@ void drawCut(AppContext& context) {
 
 void drawCutAtOnce(AppContext& context) {
   if (const auto covered = context.bench.saw->coverage(); covered && covered->sections > covered->sections_met)
-    ui::textColored(styleColours().quiet, phrase("Without bounds it also cuts {} more section(s)",
-                                                 covered->sections - covered->sections_met));
+    ui::textColored(styleColours().quiet,
+                    phrase("Cuts {} more in this plane", covered->sections - covered->sections_met));
   ui::text("Cut at once, keep");
   const float width = (ImGui::GetContentRegionAvail().x - 2 * ImGui::GetStyle().ItemSpacing.x) / 3;
   static constexpr std::array<std::array<const char*, 3>, 3> kSides = {
