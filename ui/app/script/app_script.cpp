@@ -25,6 +25,7 @@
 #include "ui/app/session/arm_lead.h"
 #include "ui/app/session/session_result.h"
 #include "ui/app/view/tissue_display.h"
+#include "ui/app/workbench/drilling.h"
 #include "ui/app/workbench/export_plan.h"
 #include "ui/app/workbench/force_device.h"
 #include "ui/app/workbench/imports.h"
@@ -151,6 +152,15 @@ void printState(const AppContext& c) {
                    {"steps_ahead", c.bench.steps->timeline().steps().size() - c.bench.steps->timeline().done()},
                    {"planes", c.bench.saw->plan().planes().size()},
                    {"sawn_percent", 100 * c.bench.saw->lastShare()}};
+  if (const auto hole = c.bench.drill->readout(c.camera)) {
+    j["hole"] = {{"place_mm", {hole->place[0], hole->place[1], hole->place[2]}},
+                 {"depth_mm", c.bench.drill->hole()->depth},
+                 {"diameter_mm", hole->diameter}};
+    if (hole->walls.edge) j["hole"]["edge_mm"] = *hole->walls.edge;
+    if (hole->walls.beside) j["hole"]["beside_mm"] = *hole->walls.beside;
+    if (hole->walls.beneath) j["hole"]["beneath_mm"] = *hole->walls.beneath;
+  }
+  j["drilled_mm"] = c.bench.drill->lastDepth();
   for (const Branch& branch : c.bench.steps->branches()) j["branches"].push_back(branch.text);
   if (c.bench.exporting->isShown()) j["export"] = nlohmann::json::parse(exportState(*c.bench.exporting));
   const HeatReport& heat = c.bench.document->report().heat;
