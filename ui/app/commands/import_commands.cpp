@@ -61,7 +61,10 @@ Expected<void> importAdd(AppContext& c, AppWords words) {
   return {};
 }
 
+void stopDrawing(AppContext& c) { c.bench.imports->drawing.begin(TrimDrawing::What::kNothing); }
+
 Expected<void> importChoose(AppContext& c, AppWords words) {
+  stopDrawing(c);
   ImportSet& set = *c.bench.imports->set();
   KERF_TRY(n, numberOf(words, 0, "N", 1, static_cast<double>(set.entries().size())));
   set.choose(static_cast<std::size_t>(n) - 1);
@@ -69,6 +72,7 @@ Expected<void> importChoose(AppContext& c, AppWords words) {
 }
 
 Expected<void> importRole(AppContext& c, AppWords words) {
+  stopDrawing(c);
   ImportSet& set = *c.bench.imports->set();
   KERF_TRY(n, numberOf(words, 0, "N", 1, static_cast<double>(set.entries().size())));
   for (const auto& [name, role] : kRoles)
@@ -168,8 +172,9 @@ Expected<void> importVoxel(AppContext& c, AppWords words) {
 
 // ---- Trims
 
-bool hasTrims(const AppContext& c) { return isImportingScan(c) && c.bench.imports->plan()->trimmed(); }
-bool isDrawingTrims(const AppContext& c) { return isImportingScan(c) && c.bench.imports->drawing.isOn(); }
+bool canTrim(const AppContext& c) { return isImportingScan(c) && !isImportingTool(c); }
+bool hasTrims(const AppContext& c) { return canTrim(c) && c.bench.imports->plan()->trimmed(); }
+bool isDrawingTrims(const AppContext& c) { return canTrim(c) && c.bench.imports->drawing.isOn(); }
 
 Expected<void> importTrim(AppContext& c, AppWords words) {
   using What = TrimDrawing::What;
@@ -181,7 +186,7 @@ Expected<void> importTrim(AppContext& c, AppWords words) {
 }
 
 Expected<void> importTrimStop(AppContext& c, AppWords) {
-  c.bench.imports->drawing.begin(TrimDrawing::What::kNothing);
+  stopDrawing(c);
   return {};
 }
 
@@ -351,20 +356,19 @@ constexpr AppCommand kRows[] = {
     {"import.voxel", "", "", "", "MM|auto", "Sets the voxel size, 0.02 to 0.5 mm.", isImporting, importVoxel},
     {"import.trim", "File:2", "Cut away part of scan", "", "[lasso|line|off]",
      "Cuts parts of the scan away before closing: the left button draws a line around a part, or across the scan.",
-     isImportingScan, importTrim},
+     canTrim, importTrim},
     {"import.trim-stop", "", "", "Esc", "", "Ends drawing such lines.", isDrawingTrims, importTrimStop},
     {"import.trim-lasso", "", "", "", "X1 Y1 X2 Y2 X3 Y3...",
-     "Removes the part of the scan inside a closed line of pixels, through the whole scan along the view.",
-     isImportingScan, importTrimLasso},
+     "Removes the part of the scan inside a closed line of pixels, through the whole scan along the view.", canTrim,
+     importTrimLasso},
     {"import.trim-line", "", "", "", "X1 Y1 X2 Y2",
      "Removes the part of the scan on one side of a line through two pixels, along the view: the smaller part.",
-     isImportingScan, importTrimLine},
+     canTrim, importTrimLine},
     {"import.trim-flip", "", "", "", "", "Makes the last cut remove the other side.", hasTrims, importTrimFlip},
     {"import.trim-undo", "", "", "Ctrl+Z", "", "Takes the last cut of the scan back.", hasTrims, importTrimUndo},
     {"import.trim-reset", "", "", "", "", "Takes all cuts of the scan back.", hasTrims, importTrimReset},
     {"import.trim-load", "", "", "", "FILE",
-     "Repeats the cuts of another import: a trim file, or a case with one (trim.toml).", isImportingScan,
-     importTrimLoad},
+     "Repeats the cuts of another import: a trim file, or a case with one (trim.toml).", canTrim, importTrimLoad},
     {"import.preview", "File:2", "Preview closed scan", "", "",
      "Closes the scan and shows the solid. For labels: shows the smooth surface of their tissues.", isImporting,
      importPreview},

@@ -195,6 +195,7 @@ Expected<void> ImportSet::setRole(std::size_t n, ImportRole role, bool may_lack_
   entry.tool.reset();
   if (role != ImportRole::kTool) return {};
 
+  KERF_CHECK(entry.scan->setTrims({}));  // a tool is the whole mesh
   const ScanFound& found = entry.scan->found();
   entry.tool = std::make_unique<ToolPlan>(entry.file, found.mesh, entry.scan->unit().scale_to_mm);
   const auto next = std::find_if(entries_.begin(), entries_.end(),
