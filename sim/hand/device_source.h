@@ -21,6 +21,9 @@ class DeviceSource {
   /// that pose. Other devices may ignore it.
   virtual void placed(const Rigid3& /*T_world_tool*/) noexcept {}
   virtual void disarm() noexcept {}
+  /// Nobody moves or feels this device, as of the last read(): its ticks may come in bursts. What ends that also sends
+  /// a command.
+  virtual bool isAtRest() const noexcept { return false; }
 };
 
 }  // namespace kerf

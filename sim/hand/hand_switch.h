@@ -46,6 +46,7 @@ class HandSwitch final : public DeviceSource {
     is_armed_ = false;
     now_->disarm();
   }
+  bool isAtRest() const noexcept override { return wanted_.load() == now_ && now_->isAtRest(); }
 
  private:
   void change(DeviceSource* wanted) noexcept {

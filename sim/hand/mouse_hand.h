@@ -106,6 +106,7 @@ class MouseHand final : public DeviceSource {
     torque_ = force.torque;
   }
   void placed(const Rigid3& T_world_tool) noexcept override;
+  bool isAtRest() const noexcept override { return !aim_.is_pressed; }
 
  private:
   void takeNewestAim() noexcept;

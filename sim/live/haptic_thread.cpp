@@ -23,6 +23,9 @@ constexpr int kCommandsATick = 4;
 // 2 KiB are copied for each. Undo changes thousands; the mesher has them within some ticks.
 constexpr int kEditsATick = 128;
 constexpr std::uint64_t kTimesEvery = 100;
+// At rest: ticks come in bursts of so many, after so many quiet ones.
+constexpr std::int64_t kBurst = 40;
+constexpr int kQuietTicks = 500;
 constexpr std::size_t kRecords = 4;  // free stroke records an object should have
 
 // Passes everything to the recorder and counts losses.
@@ -106,6 +109,8 @@ struct HapticThread::State {
   bool handleCommands() noexcept;  // true: there was a pause
   bool undoOrRedo(const Command& command) noexcept;
   void tick(bool is_stalled) noexcept;
+  bool mayRest() noexcept;
+  void rest() noexcept;
   void measure(const DeviceSample& sample) noexcept;
   DeviceForce withVibration(const StepOutput& output) noexcept;
   void keepTime(std::int64_t wake) noexcept;
@@ -137,6 +142,7 @@ struct HapticThread::State {
   HapticTimes times;
   std::int64_t due = 0;                   // when the next tick begins, ns
   std::int64_t last_wake = 0;             // of the previous tick; 0: none, or a pause
+  int quiet_ticks = 0;                    // without a break
   std::size_t unsent = 0;                 // bricks; read after the end
   std::vector<FeltVibration> vibrations;  // of the model's tools, or none
 
@@ -150,6 +156,8 @@ struct HapticThread::State {
   };
   std::array<Offer, kMostObjects> offers;
   std::atomic<bool> is_stopping{false};
+  std::atomic<bool> is_resting{false};
+  WakeUp wake;  // by a command
   std::thread keeper, haptic;
 };
 
@@ -160,7 +168,7 @@ void HapticThread::State::keepPools() {
       if (wanted > 0 && !offer.pool.load(std::memory_order_relaxed))  // no memory: try again soon
         offer.pool.store(BrickPool::make(wanted).release(), std::memory_order_release);
     }
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    std::this_thread::sleep_for(std::chrono::milliseconds(is_resting.load(std::memory_order_relaxed) ? 20 : 2));
   }
 }
 
@@ -295,7 +303,32 @@ void HapticThread::State::tick(bool is_stalled) noexcept {
   report.counts.out_of_bricks += (report.output.status & (kStepBricksRanOut | kStepNearRanOut)) != 0;
   report.counts.edits_waiting = exportBricks();
   if (maker) maker->afterTick(session, report.output);
-  publish();
+}
+
+// Nobody acts, nothing turns, and all changes are where they belong.
+bool HapticThread::State::mayRest() noexcept {
+  const kerf::State& now = session.state();
+  const bool is_quiet = device->isAtRest() && isAtRest(session.model().tools[now.tool], now.speed) &&
+                        report.output.bricks_cut == 0 && report.counts.edits_waiting == 0 &&
+                        commands.read_available() == 0 && !(maker && (maker->isBusy() || maker->wantsTick()));
+  quiet_ticks = is_quiet ? std::min(quiet_ticks + 1, kQuietTicks) : 0;
+  const bool rests = quiet_ticks == kQuietTicks;
+  if (is_resting.exchange(rests, std::memory_order_relaxed) != rests && maker) maker->rest(rests);
+  return rests;
+}
+
+// Sleeps for a burst, or until a command comes, then ticks for the time that went by: the session's clock, its log and
+// its heat go on.
+void HapticThread::State::rest() noexcept {
+  wake.sleepUntil(due + kBurst * kPeriod);
+  sleepUntil(due);  // an old command has ended the sleep
+  std::int64_t owed = std::min((monotonicNow() - due) / kPeriod, 2 * kBurst);
+  for (; owed > 0 && !is_stopping.load(std::memory_order_relaxed) && takePools(); --owed) {
+    tick(false);
+    if (!device->isAtRest()) break;
+  }
+  due = monotonicNow();
+  last_wake = 0;
 }
 
 // Measures the last tick: heat and peaks.
@@ -330,15 +363,16 @@ void HapticThread::State::run() noexcept {
   startUp();
   const auto stall = static_cast<std::int64_t>(1e6 * options.stall_ms);
   while (!is_stopping.load(std::memory_order_acquire)) {
-    sleepUntil(due);
-    const std::int64_t wake = monotonicNow();
+    mayRest() ? rest() : sleepUntil(due);
+    const std::int64_t woke = monotonicNow();
     if (prepareTick()) {
       restartSchedule();
       publish();
       continue;
     }
-    tick(last_wake != 0 && wake - last_wake > stall);
-    keepTime(wake);
+    tick(last_wake != 0 && woke - last_wake > stall);
+    publish();
+    keepTime(woke);
   }
   windDown();
 }
@@ -452,7 +486,11 @@ void HapticThread::heatBy(std::size_t tool, const ToolSamples& samples, const He
   state_->heat.add(tool, samples, source);
 }
 
-bool HapticThread::send(const Command& command) noexcept { return state_->commands.push(command); }
+bool HapticThread::send(const Command& command) noexcept {
+  if (!state_->commands.push(command)) return false;
+  state_->wake.wake();
+  return true;
+}
 
 bool HapticThread::update() noexcept { return state_->reports.update(); }
 const HapticReport& HapticThread::report() const noexcept { return state_->reports.front(); }
@@ -468,6 +506,7 @@ SessionPeaks HapticThread::peaks() const {
 
 void HapticThread::stop() {
   state_->is_stopping.store(true, std::memory_order_release);
+  state_->wake.wake();
   if (state_->haptic.joinable()) state_->haptic.join();
   if (state_->keeper.joinable()) state_->keeper.join();
   if (state_->maker) state_->maker->stop();

@@ -12,6 +12,10 @@
 // The missed periods are skipped, since a burst of ticks would strike the hand. The simulated clock stands still
 // meanwhile: ticks in the log follow each other, and a replay is bit-identical however late they came. The hand's
 // motion over a skipped period counts as that of one tick.
+//
+// Rest: half a second after the last motion, with a device at rest (DeviceSource::isAtRest()), ticks come in bursts of
+// 40 instead of one by one. No tick is left out, so the session's clock, its log and its heat go on. A command ends the
+// sleep at once.
 #pragma once
 
 #include <array>

@@ -30,6 +30,7 @@ void MesherThread::run(const BrickField& phi0) {
   Remesher remesher(phi0, options_.remesher);
   publish(remesher.changedSince(0));
   std::vector<BrickEdit> edits;
+  int idle = 0;  // polls without edits
   for (;;) {
     // Read both before the feed is emptied: bricks pushed before stop() are still meshed, and a requested copy has all
     // bricks pushed before the request.
@@ -40,8 +41,11 @@ void MesherThread::run(const BrickField& phi0) {
       remesher.apply(edits);
       publish(remesher.changedSince(before));
       edits_done_.fetch_add(edits.size(), std::memory_order_release);
+      idle = 0;
     } else if (!is_last) {
-      std::this_thread::sleep_for(options_.poll);
+      constexpr int kIdle = 1000, kSlower = 5;  // a third of a frame late at most
+      idle = std::min(idle + 1, kIdle);
+      std::this_thread::sleep_for(idle < kIdle ? options_.poll : kSlower * options_.poll);
     }
     if (is_wanted) giveCopy(remesher.field().changed());
     if (is_last) break;

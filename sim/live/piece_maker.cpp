@@ -104,7 +104,8 @@ void PieceMaker::run() {
         settle();
         break;
     }
-    std::this_thread::sleep_for(is_waiting ? 200us : 1000us);
+    const auto pause = is_resting_.load(std::memory_order_relaxed) ? 10'000us : 1000us;
+    std::this_thread::sleep_for(is_waiting ? 200us : pause);
   }
 
   // The haptic thread has ended. Announces its last pieces, too.

@@ -101,6 +101,13 @@ class PieceMaker {
   bool isBusy() const noexcept { return is_freezing_ || is_ordered_.load(std::memory_order_relaxed); }
   /// An object is frozen: commands must wait. @rt
   bool hasFrozen() const noexcept { return is_freezing_; }
+  /// A request waits for the next tick. @rt
+  bool wantsTick() const noexcept {
+    const Stage stage = stage_.load(std::memory_order_acquire);
+    return stage == Stage::kWantsFreeze || stage == Stage::kReady;
+  }
+  /// Nothing is cut for now: the maker looks less often. @rt
+  void rest(bool is_resting) noexcept { is_resting_.store(is_resting, std::memory_order_relaxed); }
 
   struct Counts {
     std::uint64_t splits = 0;
@@ -186,6 +193,7 @@ class PieceMaker {
   std::atomic<std::uint64_t> cuts_{0};      // ticks that cut and whose bricks were sent; haptic thread
   std::atomic<Split*> forgotten_{nullptr};  // from the haptic thread; the maker destroys it
   std::atomic<bool> is_stopping_{false};
+  std::atomic<bool> is_resting_{false};
   CutByPlanes order_;                    // by the haptic thread, before it sets is_ordered_; then constant
   std::uint32_t ordered_id_ = 0;         // likewise: of the object
   std::atomic<bool> is_ordered_{false};  // until the request for it ends

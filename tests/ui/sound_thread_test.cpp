@@ -119,6 +119,22 @@ TEST(SoundThread, RendersNoFasterThanItIsHeard) {
   EXPECT_LE(samples, (elapsed + SoundThread::kMostAheadSeconds) * SoundOutput::kRate + 2 * SoundThread::kBlock);
 }
 
+TEST(SoundThread, RestsInSilenceAndStartsAgain) {
+  Ear ear;
+  SoundThread thread(openEar(ear));
+  std::uint64_t before = 0;
+  EXPECT_TRUE(becomes([&] {
+    const bool rests = ear.samples > SoundOutput::kRate && ear.samples == before;
+    before = ear.samples;
+    std::this_thread::sleep_for(30ms);
+    return rests;
+  }));
+  EXPECT_TRUE(becomes([&] {
+    thread.play(running());
+    return ear.loudest > 0.05;
+  }));
+}
+
 // With a sound card or without one.
 TEST(SoundThread, TheDeviceOfThisMachineIsOpenedOrRefusedWithAReason) {
   auto output = openAlsa();

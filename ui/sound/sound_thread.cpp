@@ -61,13 +61,21 @@ Expected<void> SoundThread::run(const OpenSound& open) {
   DrillSound sound(SoundOutput::kRate);
   std::array<float, kBlock> block;
   constexpr auto kStaleBlocks = static_cast<std::size_t>(kStaleSeconds * SoundOutput::kRate / kBlock);
+  // A second of silence is played, then none: the device starts again with the next sound.
+  constexpr std::size_t kSilentBlocks = static_cast<std::size_t>(SoundOutput::kRate) / kBlock;
+  constexpr std::chrono::milliseconds kRest{20};
 
   Pace pace;
-  std::size_t blocks_since = 0;
+  std::size_t blocks_since = 0, silent_blocks = 0;
   while (!is_stopping_.load(std::memory_order_acquire)) {
     blocks_since = newest_.update() ? 0 : blocks_since + 1;
     DrillSoundInput now = newest_.front();
     if (blocks_since > kStaleBlocks) now.is_running = false;
+    silent_blocks = sound.isSilent() && !now.is_running ? silent_blocks + 1 : 0;
+    if (silent_blocks > kSilentBlocks) {
+      std::this_thread::sleep_for(kRest);
+      continue;
+    }
     sound.render(now, block);
     KERF_CHECK(output->write(block));
     pace.add(block.size());

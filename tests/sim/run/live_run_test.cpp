@@ -78,6 +78,35 @@ TEST(LiveRun, StrokesWithTwoToolsBecomeARunThatReplaysAndExports) {
   EXPECT_FALSE(recoverRun(run_folder)) << "it was ended";
 }
 
+TEST(LiveRun, TheLoopRestsBesideAnIdleMouseAndLeavesOutNoTick) {
+  const TemporaryFolder folder;
+  const fs::path run_folder = folder.path() / "block.run";
+  auto run = LiveRun::open(bakedBlock(folder), run_folder, someTools());
+  ASSERT_TRUE(run) << run.error().message();
+  constexpr std::uint64_t kIdle = 6000;  // the drive runs down first
+  {
+    Mouse mouse(**run);
+    mouse.drill({-1, 0, 0}, 0.5);
+    (*run)->thread().update();
+    const std::uint64_t from = (*run)->thread().report().tick;
+    EXPECT_TRUE(test::becomes((*run)->thread(), [&](const HapticReport& r) { return r.tick >= from + kIdle; }));
+    mouse.drill({1, 0, 0}, 0.5);
+    const auto manifest = (*run)->finish();
+    ASSERT_TRUE(manifest) << manifest.error().message();
+    EXPECT_GT(manifest->duration_s, kTick * kIdle) << "its clock goes on";
+  }
+  (*run)->thread().updateTimes();
+  (*run)->thread().update();
+  const std::uint64_t ticks = (*run)->thread().report().counts.ticks;
+  EXPECT_LT((*run)->thread().times().cost.count() + kIdle / 3, ticks) << "each burst is timed once";
+  run->reset();
+  const auto replayed = replayRun(run_folder);
+  ASSERT_TRUE(replayed) << replayed.error().message();
+  EXPECT_TRUE(replayed->is_same) << replayed->note;
+  EXPECT_EQ(replayed->ticks, ticks);
+  EXPECT_GT(replayed->removed_mm3, 0.02);
+}
+
 TEST(LiveRun, PeaksAreOfStrokesThatStandAndWorseOnesTakenBackAreToldApart) {
   const TemporaryFolder folder;
   const fs::path block = bakedBlock(folder), run_folder = folder.path() / "block.run";

@@ -243,7 +243,7 @@ class Workshop {
     const bool has_device =
         !game_controller_.name().empty() || !space_mouse_link_.name().empty() || bench_.device->arm().isOpen();
     if (!rests_ || has_device) return 1.0 / 60;
-    return bench_.document->isShown() || bench_.jobs->running() ? 0.1 : 0.25;
+    return bench_.jobs->running() ? 0.1 : bench_.document->isShown() ? 0.2 : 0.25;
   }
 
   // For a terminal, if enabled.
