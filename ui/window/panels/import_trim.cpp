@@ -25,8 +25,15 @@ void run(AppContext& context, const char* id, const std::vector<std::string>& wo
 
 void drawWay(AppContext& context, const char* label, const char* word, What what, float width, const char* tip) {
   const bool is_on = context.bench.imports->drawing.what() == what;
-  if (is_on ? strongButton(label, "", width) : plainButton(label, "", width))
-    run(context, "import.trim", {is_on ? "off" : word});
+  const StyleColours& colours = styleColours();
+  if (is_on) {
+    ImGui::PushStyleColor(ImGuiCol_Button, colours.strong);
+    ImGui::PushStyleColor(ImGuiCol_ButtonHovered, colours.strong_hovered);
+    ImGui::PushStyleColor(ImGuiCol_Text, colours.strong_text);
+  }
+  const bool is_pressed = ui::button(label, {width, 0});
+  if (is_on) ImGui::PopStyleColor(3);
+  if (is_pressed) run(context, "import.trim", {is_on ? "off" : word});
   if (ImGui::IsItemHovered()) ui::setTooltip(tip);
 }
 
