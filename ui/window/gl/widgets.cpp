@@ -53,6 +53,13 @@ void sameLineAt(float place) {
   ImGui::SameLine(std::max(place, end));
 }
 
+void sameLineFor(const Words& label) {
+  const ImGuiStyle& style = ImGui::GetStyle();
+  const float width = ImGui::CalcTextSize(label.label().c_str(), nullptr, true).x + 2 * style.FramePadding.x;
+  const float end = ImGui::GetItemRectMax().x - ImGui::GetWindowPos().x + style.ItemSpacing.x + width;
+  if (end <= ImGui::GetWindowContentRegionMax().x) ImGui::SameLine();
+}
+
 // ---- Controls
 
 bool button(const Words& label, const ImVec2& size) {

@@ -53,6 +53,9 @@ std::string beginThatFits(const std::string& text, float width);
 /// On the line of the previous item, at a place from the window's left edge, or behind that item if it is longer.
 void sameLineAt(float place);
 
+/// The next button goes on the line of the previous item if it fits there.
+void sameLineFor(const Words& label);
+
 // ---- Controls. A given width is a minimum: longer words make it larger.
 
 bool button(const Words& label, const ImVec2& size = {0, 0});

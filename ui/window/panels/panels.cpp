@@ -118,7 +118,9 @@ void drawSection(PanelFrame& frame, const Panel& panel) {
   if (is_folded) is_on = is_open;
   if (!is_open) return;
   ImGui::PushID(panel.id.data());
+  ImGui::PushTextWrapPos(0);
   panel.draw(frame);
+  ImGui::PopTextWrapPos();
   ImGui::PopID();
   ImGui::Dummy({0, scaled(4)});
 }

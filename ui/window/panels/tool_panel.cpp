@@ -221,7 +221,7 @@ void drawAxis(AppContext& context) {
   bool is_held = axis.has_value();
   const bool is_clicked = ui::checkbox("Hold axis", &is_held), is_hovered = ImGui::IsItemHovered();
   if (const Tool& tool = context.bench.tools->held(); tool.kind == ToolKind::kBur && tool.cuts_end) {
-    ImGui::SameLine();
+    ui::sameLineFor("Drill holes (D)");
     if (ui::smallButton("Drill holes (D)")) runIfEnabled(context, "drill.plan");
   }
   if (is_clicked) return runIfEnabled(context, "tool.hold-axis", std::vector<std::string>{is_held ? "tool" : "off"});
@@ -235,9 +235,9 @@ void drawAxis(AppContext& context) {
                     : phrase("{:.1f} deg from z: {}", lean, value));
   std::optional<std::string> from;
   if (ui::smallButton("Tool axis")) from = "tool";
-  ImGui::SameLine();
+  ui::sameLineFor("View axis");
   if (ui::smallButton("View axis")) from = "view";
-  ImGui::SameLine();
+  if (occlusal) ui::sameLineFor("Occlusal axis");
   if (occlusal && ui::smallButton("Occlusal axis")) from = "occlusal";
   if (from) runIfEnabled(context, "tool.hold-axis", std::vector<std::string>{*from});
 }
