@@ -286,7 +286,7 @@ TEST_F(ImportCommandsTest, LassoAndLineCutPartsAwayAndTheCaseRepeatsThem) {
   EXPECT_NEAR(box.max.x(), 3, 0.1);
   EXPECT_GT(box.min.x(), -2.9) << "the left side went";
 
-  ASSERT_TRUE(play(bench, "import.trim-line 280 0 280 300\nwait\n"));
+  ASSERT_TRUE(play(bench, "view.top\nview.fit\nimport.trim-line 280 0 280 300\nwait\n"));
   EXPECT_GT(bench.imports->plan()->trimmed()->triangles_removed, by_lasso);
   EXPECT_LT(bench.imports->plan()->boxMm().max.x(), 2.9);
   ASSERT_TRUE(play(bench, "import.trim-undo\n"));

@@ -146,6 +146,7 @@ Expected<void> ImportPlan::setUnit(const std::string& name) {
   unit_is_doubtful_ = chosen.is_doubtful;
   for (std::size_t n = 0; n < units_.size(); ++n)
     if (units_[n].unit == chosen.unit) unit_ = n;
+  if (trimmed_) return setTrims(choice_.closing.trims);
   changed();
   return {};
 }
