@@ -49,6 +49,7 @@ TEST(ToolModel, MeanSpeedIsThatOfAnyMotionThereAndBack) {
 TEST(ToolModel, WithoutADriveInTheFileTheDefaultsHold) {
   for (const ToolListing& t : listTools({std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools"})) {
     ASSERT_TRUE(t.tool) << t.error->message();
+    if (t.tool->drive.frequency_hz) continue;  // its file has a drive
     const ToolDrive drive = driveOf(*t.tool), expected = defaultDrive(*t.tool);
     EXPECT_EQ(drive.speed, expected.speed) << t.tool->id;
     EXPECT_EQ(drive.stall_load, expected.stall_load) << t.tool->id;
