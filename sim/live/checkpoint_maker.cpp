@@ -99,6 +99,8 @@ void CheckpointMaker::run() {
     }
   } catch (const std::bad_alloc&) {
     end("no memory left");
+  } catch (const std::exception& e) {  // the session goes on without checkpoints
+    end(e.what());
   }
 }
 
@@ -131,7 +133,9 @@ void CheckpointMaker::write() {
   if (!bytes) return end(bytes.error().message());
 
   const std::uint64_t number = files_.empty() ? 1 : files_.front().number + 1;
-  files_.insert(files_.begin(), {number, findCheckpoints(folder_).front(), *bytes});
+  const auto written = findCheckpoints(folder_);
+  if (written.empty()) return end("its folder cannot be listed");
+  files_.insert(files_.begin(), {number, written.front(), *bytes});
   thinOut();
   if (session_->historyBytes() > options_.most_history) {
     auto again = readCheckpoint(files_.front().path, loaded_);

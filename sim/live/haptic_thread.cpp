@@ -322,12 +322,13 @@ bool HapticThread::State::mayRest() noexcept {
 void HapticThread::State::rest() noexcept {
   wake.sleepUntil(due + kBurst * kPeriod);
   sleepUntil(due);  // an old command has ended the sleep
-  std::int64_t owed = std::min((monotonicNow() - due) / kPeriod, 2 * kBurst);
+  const std::int64_t all = (monotonicNow() - due) / kPeriod;
+  std::int64_t owed = std::min(all, 2 * kBurst);
   for (; owed > 0 && !is_stopping.load(std::memory_order_relaxed) && takePools(); --owed) {
     tick(false);
     if (!device->isAtRest()) break;
   }
-  due = monotonicNow();
+  due = owed == 0 && all <= 2 * kBurst ? due + all * kPeriod : monotonicNow();
   last_wake = 0;
 }
 
@@ -387,6 +388,7 @@ void HapticThread::State::startUp() noexcept {
 void HapticThread::State::restartSchedule() noexcept {
   due = monotonicNow() + kPeriod;
   last_wake = 0;
+  quiet_ticks = 0;
 }
 
 // All work between two ticks.

@@ -100,10 +100,13 @@ Expected<Checkpoint> readCheckpoint(const fs::path& file, const LoadedObjects& l
     return refuse(Error::Code::kBadFormat, std::move(found), "a whole checkpoint");
   };
 
+  std::error_code error;
+  const std::uintmax_t size = fs::file_size(file, error);
   std::ifstream in(file, std::ios::binary);
-  const std::vector<char> read{std::istreambuf_iterator<char>(in), {}};
+  std::vector<char> read(error ? 0 : size);
+  in.read(read.data(), static_cast<std::streamsize>(read.size()));
   const auto bytes = std::as_bytes(std::span(read));
-  if (!in) return refuse(Error::Code::kUnreadable, "it cannot be read", "a readable file");
+  if (error || !in) return refuse(Error::Code::kUnreadable, "it cannot be read", "a readable file");
   if (bytes.size() < kHead + kChecksum || std::memcmp(bytes.data(), kMagic.data(), kMagic.size()) != 0)
     return damaged(fmt::format("{} other bytes", bytes.size()));
   const auto body = bytes.first(bytes.size() - kChecksum);

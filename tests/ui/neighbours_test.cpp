@@ -200,7 +200,7 @@ TEST_F(NeighboursTest, BothAreExportedAndTheSessionReplays) {
   const fs::path session = bench_.document->sessionFolder();
   bench_.sessions->close();
   settle();
-  EXPECT_TRUE(hasSaid("removed from the neighbour 35. Export it: kerf export")) << said();
+  EXPECT_TRUE(hasSaid("removed from the neighbour 35")) << said();
   const auto replayed = replayRun(session);
   ASSERT_TRUE(replayed) << replayed.error().message();
   EXPECT_TRUE(replayed->is_same && replayed->is_whole) << replayed->note;

@@ -58,12 +58,13 @@ class UnpackedSessions {
     for (std::size_t n = 2; n < out.size() && !writes_run; ++n) {
       if (!kerf::isSessionFile(out[n])) continue;
       if (folder_.empty()) {
-        std::string name = (fs::temp_directory_path() / "kerf-XXXXXX").string();
-        if (!::mkdtemp(name.data()))
+        std::error_code error;
+        std::string name = (fs::temp_directory_path(error) / "kerf-XXXXXX").string();
+        if (error || !::mkdtemp(name.data()))
           return kerf::fail({.code = Error::Code::kWriteFailed,
                              .file = name,
                              .place = "folder for " + out[n],
-                             .found = std::strerror(errno),
+                             .found = error ? error.message() : std::strerror(errno),
                              .expected = "a writable folder",
                              .hint = "set TMPDIR to one"});
         folder_ = name;

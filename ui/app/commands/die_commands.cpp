@@ -3,12 +3,15 @@
 #include "ui/app/base/command_words.h"
 #include "ui/app/commands/pointing.h"
 #include "ui/app/document/document.h"
+#include "ui/app/workbench/imports.h"
 #include "ui/app/workbench/sawing.h"
 
 namespace kerf::die_commands {
 namespace {
 
-bool hasDie(const AppContext& c) { return c.bench.document->isOpen() && c.bench.saw->die.isPlanned(); }
+bool hasDie(const AppContext& c) {
+  return c.bench.document->isOpen() && !c.bench.imports->isImporting() && c.bench.saw->die.isPlanned();
+}
 
 Expected<void> plan(AppContext& c, AppWords words) {
   if (words.empty() || words[0].empty()) {

@@ -4,6 +4,7 @@
 
 #include "ui/app/document/document.h"
 #include "ui/app/document/jobs.h"
+#include "ui/app/workbench/imports.h"
 #include "ui/app/workbench/steps.h"
 
 namespace kerf::edit_commands {
@@ -33,6 +34,9 @@ Expected<void> end(AppContext& c, AppWords) {
   return c.bench.steps->goToStep(timeline.older() + timeline.steps().size());
 }
 
+// A session behind an import stays as it is.
+bool isAtHand(const AppContext& c) { return when::isOpen(c) && !c.bench.imports->isImporting(); }
+
 bool hasBranches(const AppContext& c) {
   return c.bench.document->isOpen() && !c.bench.jobs->running() && c.bench.steps->branchCount() > 0;
 }
@@ -51,12 +55,12 @@ Expected<void> showPalette(AppContext& c, AppWords) {
 }
 
 constexpr AppCommand kRows[] = {
-    {"edit.undo", "Edit:1", "Undo", "Ctrl+Z", "", "Undoes the last stroke.", when::isOpen, undo},
-    {"edit.redo", "Edit:1", "Redo", "Ctrl+Y", "", "Redoes the last undone stroke.", when::isOpen, redo},
-    {"edit.go", "", "", "", "STEP", "Goes to the end of a step of the timeline. 0 is the beginning.", when::isOpen, go},
-    {"edit.begin", "Edit:1", "Undo all steps", "Ctrl+Home", "", "Undoes all steps that the timeline stores.",
-     when::isOpen, begin},
-    {"edit.end", "Edit:1", "Redo all steps", "Ctrl+End", "", "Redoes all undone steps.", when::isOpen, end},
+    {"edit.undo", "Edit:1", "Undo", "Ctrl+Z", "", "Undoes the last stroke.", isAtHand, undo},
+    {"edit.redo", "Edit:1", "Redo", "Ctrl+Y", "", "Redoes the last undone stroke.", isAtHand, redo},
+    {"edit.go", "", "", "", "STEP", "Goes to the end of a step of the timeline. 0 is the beginning.", isAtHand, go},
+    {"edit.begin", "Edit:1", "Undo all steps", "Ctrl+Home", "", "Undoes all steps that the timeline stores.", isAtHand,
+     begin},
+    {"edit.end", "Edit:1", "Redo all steps", "Ctrl+End", "", "Redoes all undone steps.", isAtHand, end},
     {"edit.branch", "Edit:1", "Continue a branch", "", "[N]",
      "Continues a branch, undone steps that later cuts replaced, in a new session. N as in the timeline (default: the "
      "last). Your current steps are kept as a branch.",

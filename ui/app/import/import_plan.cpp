@@ -113,6 +113,12 @@ Expected<ScanFound> readScan(const fs::path& path, const Progress& progress) {
   return out;
 }
 
+double closingSeconds(std::size_t triangles, bool is_closed) {
+  // Measured: an arch of 10 000 to 640 000 triangles, and closed teeth.
+  constexpr double kSecondsOfOpen = 3.5e-5, kSecondsOfClosed = 1e-5;
+  return (is_closed ? kSecondsOfClosed : kSecondsOfOpen) * static_cast<double>(triangles);
+}
+
 Prediction predict(double area_mm2, double voxel_mm, double closing_s) {
   constexpr double kTrianglesPerVoxel = 2.75;                   // of the drawn surface
   constexpr double kProgram = 5.5e8, kBytesPerTriangle = 135;   // window, log and tools; field, shell, chunks
@@ -269,14 +275,11 @@ std::size_t ImportPlan::rimCount() const {
 }
 
 Prediction ImportPlan::prediction() const {
-  // Estimates before the preview. Seconds: of an arch of 10 000 to 640 000 triangles, and of closed teeth.
-  constexpr double kWithBase = 1.35, kSecondsOfOpen = 3.5e-5, kSecondsOfClosed = 1e-5;
+  constexpr double kWithBase = 1.35;  // estimate before the preview
   const double scale = unit().scale_to_mm;
   const double area =
       preview() ? preview()->area_mm2 : check_.area * scale * scale * (isWithoutUnderside() ? kWithBase : 1);
-  const double closing = previewSeconds() > 0 ? previewSeconds()
-                                              : (check_.isClosed() ? kSecondsOfClosed : kSecondsOfOpen) *
-                                                    static_cast<double>(check_.triangles);
+  const double closing = previewSeconds() > 0 ? previewSeconds() : closingSeconds(check_.triangles, check_.isClosed());
   return predict(area, voxel(), closing + found_.seconds);
 }
 

@@ -59,6 +59,8 @@ struct Finding {
 /// too few to twice too many, by the load of the machine.
 /// @param area_mm2       of the closed solid.   @param closing_s  measured or predicted closing time.
 Prediction predict(double area_mm2, double voxel_mm, double closing_s);
+/// Seconds to close a scan, on one of two cores of a laptop.
+double closingSeconds(std::size_t triangles, bool is_closed);
 class ImportPlan final : public PreviewedPlan {
  public:
   /// @param defaults  initial choices; an empty unit: as the file declares, or by its size.

@@ -111,14 +111,12 @@ void Tools::toolChanged() {
 
 std::optional<FinerVoxels> Tools::finerVoxels() const {
   constexpr double kThin = 2, kFine = 0.1, kRounding = 1e-6;  // mm
-  constexpr double kSecondsPerTriangle = 3e-6;                // of closing
   const Document& document = *bench_.document;
   if (!document.isOpen() || held().kind != ToolKind::kBur || held().head_diameter_mm >= kThin) return {};
   const double now = document.run()->original()->voxel();
   if (now < kFine + kRounding || !document.prepared() || !document.run()->neighbours().empty()) return {};
   const CaseManifest& manifest = document.run()->caseManifest();
-  const Prediction cost =
-      predict(manifest.solid_area_mm2, kFine, kSecondsPerTriangle * static_cast<double>(manifest.solid_triangles));
+  const Prediction cost = predict(manifest.solid_area_mm2, kFine, closingSeconds(manifest.solid_triangles, false));
   return FinerVoxels{now, kFine, cost.seconds, cost.bytes};
 }
 

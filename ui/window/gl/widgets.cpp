@@ -3,6 +3,10 @@
 #include <imgui_internal.h>  // the stack of open popups
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
 
 #include "ui/app/base/language.h"
 
@@ -84,12 +88,33 @@ bool sliderFloat(const Words& label, float* value, float low, float high, const 
   return ImGui::SliderFloat(label.label().c_str(), value, low, high, shownText(format).c_str(), flags);
 }
 
-bool inputFloat(const Words& label, float* value, const char* format) {
-  return ImGui::InputFloat(label.label().c_str(), value, 0, 0, shownText(format).c_str());
+// Dear ImGui's field drops a decimal comma: "2,5" would become 25.
+bool inputFloat(const Words& label, float* value, const char* format, ImGuiInputTextFlags flags) {
+  std::array<char, 48> text{};
+  std::snprintf(text.data(), text.size(), shownText(format).c_str(), static_cast<double>(*value));
+  if (!ImGui::InputText(label.label().c_str(), text.data(), text.size(), flags | ImGuiInputTextFlags_AutoSelectAll))
+    return false;
+  std::replace(text.begin(), text.end(), ',', '.');
+  char* end = nullptr;
+  const float typed = std::strtof(text.data(), &end);
+  if (end == text.data() || !std::isfinite(typed)) return false;
+  *value = typed;
+  return true;
 }
 
 bool inputFloat3(const Words& label, float values[3], const char* format, ImGuiInputTextFlags flags) {
-  return ImGui::InputFloat3(label.label().c_str(), values, format, flags);
+  const float gap = ImGui::GetStyle().ItemInnerSpacing.x, width = (ImGui::CalcItemWidth() - 2 * gap) / 3;
+  bool is_changed = false;
+  ImGui::PushID(label.label().c_str());
+  for (int n = 0; n < 3; ++n) {
+    if (n > 0) ImGui::SameLine(0, gap);
+    ImGui::PushID(n);
+    ImGui::SetNextItemWidth(width);
+    is_changed |= inputFloat("##value", &values[n], format, flags);
+    ImGui::PopID();
+  }
+  ImGui::PopID();
+  return is_changed;
 }
 
 bool inputText(const Words& label, char* text, std::size_t size, ImGuiInputTextFlags flags) {

@@ -67,7 +67,8 @@ bool selectable(const Words& label, bool is_selected = false, ImGuiSelectableFla
 /// @param format  of printf, with the words beside the number: translated as a whole.
 bool sliderFloat(const Words& label, float* value, float low, float high, const char* format,
                  ImGuiSliderFlags flags = 0);
-bool inputFloat(const Words& label, float* value, const char* format);
+/// A decimal comma counts as a point.   @param format  of printf, for one number and its unit.
+bool inputFloat(const Words& label, float* value, const char* format, ImGuiInputTextFlags flags = 0);
 bool inputFloat3(const Words& label, float values[3], const char* format, ImGuiInputTextFlags flags = 0);
 bool inputText(const Words& label, char* text, std::size_t size, ImGuiInputTextFlags flags = 0);
 bool inputTextWithHint(const Words& label, const Words& hint, char* text, std::size_t size);

@@ -276,7 +276,8 @@ class Workshop {
                            bench_.document->run()->model().tools[n].drive, volume);
     }
     sound_->play(heard);
-    if (const auto error = sound_->takeError()) bench_.notices->say(phrase("No drill sound: no sound device opens. {}", error->found));
+    if (const auto error = sound_->takeError())
+      bench_.notices->say(phrase("No drill sound: no sound device opens. {}", error->found));
   }
 
   // Theme and scale, if they have changed.
@@ -577,11 +578,9 @@ class Workshop {
     }
   }
 
-  // A right click without a drag.
+  // A right click: a drag has reset its place.
   void openMenuAt(const Pixel& pressed) {
-    constexpr double kStill = 4;  // window units
-    if ((pointer() - pressed).norm() > kStill * pixels() || !bench_.document->isOpen() || bench_.strokes->isPressed())
-      return;
+    if (screenOf(bench_) != Screen::kCut || bench_.strokes->isPressed()) return;
     panels_.menu_at = std::array{pressed[0], pressed[1]};
   }
 
@@ -590,6 +589,8 @@ class Workshop {
     x_ = e.x;
     y_ = e.y;
     is_led_by_device_ = false;
+    constexpr double kStill = 4;  // window units
+    if (right_pressed_ && (pointer() - *right_pressed_).norm() > kStill * pixels()) right_pressed_.reset();
     if (bench_.imports->drawing.isDrawing()) return bench_.imports->drawing.move(pointer());
     if (panels_.piece_drag.isOn()) return panels_.piece_drag.move(context_, pointer());
     stroke_.move(context_, pointer(), heldKeys(e.modifiers));

@@ -88,7 +88,9 @@ void drawHoleDepth(AppContext& context, DrillPanelState& state) {
   }
   bool is_through = drill.isThrough();
   if (holeField("Depth in mm", state.depth, scaled(48))) {
-    runIfEnabled(context, "drill.depth", numbersOf(state.depth.data()));
+    std::string mm = state.depth.data();
+    std::replace(mm.begin(), mm.end(), ',', '.');
+    runIfEnabled(context, "drill.depth", std::vector<std::string>{mm});
     state.shown_depth.reset();
   }
   ImGui::SameLine();
