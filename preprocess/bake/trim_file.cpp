@@ -72,10 +72,18 @@ Expected<std::vector<ScanTrim>> readTrims(const fs::path& given) {
   KERF_CHECK(top.finish());
 
   std::vector<ScanTrim> out;
+  std::size_t corners = 0;
   for (const toml::node& node : *tables) {
     KERF_TRY(trim, readTrim(*node.as_table(), file));
+    if (const auto* const outline = std::get_if<OutlineTrim>(&trim)) corners += outline->outline.size();
     out.push_back(std::move(trim));
   }
+  constexpr std::size_t kMostTrims = 100;
+  if (out.size() > kMostTrims || corners > kMostCorners)
+    return fail({.code = Error::Code::kBadValue,
+                 .file = file.string(),
+                 .found = fmt::format("{} cuts with {} corners", out.size(), corners),
+                 .expected = fmt::format("at most {} cuts and {} corners", kMostTrims, kMostCorners)});
   return out;
 }
 

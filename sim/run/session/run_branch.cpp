@@ -239,8 +239,12 @@ Expected<RunManifest> branchRun(const fs::path& run_folder, const BranchPoint& p
   const auto write = [&](const Session& session, const SessionLog& log) {
     written = writeBranch(run_folder, recording, log, session, folder.staging());
   };
-  KERF_TRY(replayed, replay(recording.log, file, recording.model, recording.objects, progress, kToTheEnd, 0, write,
-                            findCheckpoints(run_folder)));
+  // Where releaseFrozen() ends the log, a checkpoint may hold the events that it replaced: the whole log then.
+  const auto& events = recording.log.events;
+  const bool is_released = !events.empty() && commandIn<UnfreezeObject>(events.back());
+  const auto checkpoints = is_released ? std::vector<fs::path>{} : findCheckpoints(run_folder);
+  KERF_TRY(replayed,
+           replay(recording.log, file, recording.model, recording.objects, progress, kToTheEnd, 0, write, checkpoints));
   if (replayed.checks > 0 && !replayed.is_same)
     return fail({.code = Error::Code::kUnsupported,
                  .file = file,

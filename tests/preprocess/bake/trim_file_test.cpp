@@ -79,6 +79,18 @@ TEST(TrimFile, TheFileOfACaseBakesTheSameCase) {
   EXPECT_EQ(readTrims(folder.path() / "whole.case").error().code, Error::Code::kNotFound);
 }
 
+// As much as that would hold the window for minutes.
+TEST(TrimFile, TooManyCutsAreRefused) {
+  const TemporaryFolder folder;
+  const std::vector<ScanTrim> many(101, PlaneTrim{{0, 0, 1}, Vec3d::UnitZ()});
+  ASSERT_TRUE(writeTrims(folder.path() / "trim.toml", many));
+  const auto read = readTrims(folder.path() / "trim.toml");
+  ASSERT_FALSE(read);
+  EXPECT_NE(read.error().message().find("at most 100 cuts"), std::string::npos) << read.error().message();
+  ASSERT_TRUE(writeTrims(folder.path() / "trim.toml", std::span(many).first(100)));
+  EXPECT_TRUE(readTrims(folder.path() / "trim.toml"));
+}
+
 TEST(TrimFile, ARecipeTakesNoTrims) {
   const TemporaryFolder folder;
   ASSERT_TRUE(writeMesh(folder.path() / "ball.ply", ballMesh({0, 0, 0}, 5, 30)));
