@@ -278,16 +278,16 @@ Expected<void> drill(const TrimArguments& a, PlaneCut& cut, const PostOpOptions&
     return fail(wrongTrimOption("--hole", fmt::format("{}", fmt::join(v, ",")),
                                 "a diameter of 0.3 to 20 mm, a depth up to 200 mm, a direction and a point",
                                 "2,11,0,0,1,21,26,-25"));
+  constexpr double kLeast = 1e-3;  // mm^3: a mouth that only touches the surface is no hole
   bool is_met = false;
   for (PostOpMesh* const part : {&cut.above, &cut.rest}) {
     KERF_TRY(drilled, withHole(part->mesh, hole, options));
-    is_met |= drilled.has_value();
+    is_met |= drilled && signedVolume(part->mesh) - signedVolume(drilled->mesh) > kLeast;
     if (drilled) *part = std::move(*drilled);
   }
   if (is_met) return {};
   return fail(wrongTrimOption("--hole", fmt::format("{}: it meets no part", fmt::join(v, ",")),
-                              "a hole within the solid: the direction points out of it at its mouth",
-                              "2,11,0,0,1,21,26,-25"));
+                              "a mouth on the solid, and a direction into the material", "2,11,0,0,1,21,26,-25"));
 }
 
 Expected<void> trim(const TrimArguments& a) {
