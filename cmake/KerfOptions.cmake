@@ -1,8 +1,14 @@
 # One interface target carries the rules every Kerf target is compiled by.
 find_program(KERF_CCACHE ccache)
 if(KERF_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
-  # pch_defines,time_macros: without them ccache refuses to cache anything that uses a precompiled header.
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${KERF_CCACHE})
+  # pch_defines,time_macros: without them ccache refuses to cache anything that uses a precompiled header. The folder of
+  # the tree is left out of the key, so that a second checkout finds what the first compiled (not for a debugger, which
+  # would look for sources in the first).
+  set(ccache CCACHE_SLOPPINESS=pch_defines,time_macros CCACHE_BASEDIR=${CMAKE_SOURCE_DIR})
+  if(NOT CMAKE_BUILD_TYPE STREQUAL "Debug")
+    list(APPEND ccache CCACHE_NOHASHDIR=1)
+  endif()
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env ${ccache} ${KERF_CCACHE})
 endif()
 
 add_library(kerf_options INTERFACE)

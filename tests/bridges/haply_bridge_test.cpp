@@ -6,6 +6,7 @@
 #include "bridges/haply_state.h"
 #include "tests/bridges/bridge_scene.h"
 #include "tests/bridges/haply_simulator.h"
+#include "tests/support/places.h"
 
 namespace kerf::test {
 namespace {
@@ -52,8 +53,9 @@ class HaplyBridge : public testing::Test {
     ASSERT_TRUE(started) << started.error().message();
     service_ = std::move(*started);
     kerf_ = openKerf();
-    bridge_ = std::make_unique<Program>(std::vector<std::string>{
-        KERF_BIN_DIR "/kerf-bridge-haply", std::to_string(kerf_->port()), std::to_string(service_->port())});
+    bridge_ = std::make_unique<Program>(std::vector<std::string>{std::string(kProgramFolder) + "/kerf-bridge-haply",
+                                                                 std::to_string(kerf_->port()),
+                                                                 std::to_string(service_->port())});
     pusher_ = std::make_unique<Pusher>(*kerf_, Vec3d(0, 0, 1));
     ASSERT_TRUE(until([&] { return service_->report().force[2] > 0.99; })) << kerf_->counts().trouble;
   }
@@ -102,7 +104,7 @@ TEST_F(HaplyBridge, OutlivesItsServiceAndKerf) {
 
 TEST(HaplyBridgeProgram, AWrongPortIsAWrongCommandLine) {
   for (const char* port : {"0", "70000", "192.168.0.1"})
-    EXPECT_EQ(Program({KERF_BIN_DIR "/kerf-bridge-haply", port}).wait(), 2) << port;
+    EXPECT_EQ(Program({std::string(kProgramFolder) + "/kerf-bridge-haply", port}).wait(), 2) << port;
 }
 
 }  // namespace

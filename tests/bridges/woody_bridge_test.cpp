@@ -14,6 +14,7 @@
 #include "bridges/serial_writer.h"
 #include "bridges/woody_arm.h"
 #include "tests/bridges/bridge_scene.h"
+#include "tests/support/places.h"
 
 namespace kerf::test {
 namespace {
@@ -73,8 +74,8 @@ class WoodySerial : public testing::Test {
     ASSERT_EQ(::unlockpt(far_), 0);
     firmware_ = std::thread([this] { answer(); });
     kerf_ = openKerf();
-    bridge_ = std::make_unique<Program>(
-        std::vector<std::string>{KERF_BIN_DIR "/kerf-bridge-woody", ::ptsname(far_), std::to_string(kerf_->port())});
+    bridge_ = std::make_unique<Program>(std::vector<std::string>{std::string(kProgramFolder) + "/kerf-bridge-woody",
+                                                                 ::ptsname(far_), std::to_string(kerf_->port())});
   }
   void TearDown() override { unplug(); }
   void unplug() {
@@ -268,9 +269,9 @@ TEST(SerialWriter, ALineThatAFullPortTookInPartIsFinished) {
 }
 
 TEST(WoodyBridge, ANodeThatIsNoArmIsRefused) {
-  EXPECT_EQ(Program({KERF_BIN_DIR "/kerf-bridge-woody", "/dev/null"}).wait(), 1);
-  EXPECT_EQ(Program({KERF_BIN_DIR "/kerf-bridge-woody", "/dev/ttyACM-none"}).wait(), 1);
-  EXPECT_EQ(Program({KERF_BIN_DIR "/kerf-bridge-woody"}).wait(), 2);
+  EXPECT_EQ(Program({std::string(kProgramFolder) + "/kerf-bridge-woody", "/dev/null"}).wait(), 1);
+  EXPECT_EQ(Program({std::string(kProgramFolder) + "/kerf-bridge-woody", "/dev/ttyACM-none"}).wait(), 1);
+  EXPECT_EQ(Program({std::string(kProgramFolder) + "/kerf-bridge-woody"}).wait(), 2);
 }
 
 }  // namespace

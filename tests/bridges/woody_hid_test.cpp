@@ -6,6 +6,7 @@
 #include "bridges/woody_arm.h"
 #include "tests/bridges/bridge_scene.h"
 #include "tests/bridges/woody_firmware.h"
+#include "tests/support/places.h"
 
 namespace kerf::test {
 namespace {
@@ -26,8 +27,8 @@ class WoodyHid : public OnTestbed {
     encoders_.emplace(*bed_, 0, counts, size_);
     talk([this](std::uint32_t) { return encoders_->report(); });
     kerf_ = openKerf();
-    bridge_ = std::make_unique<Program>(std::vector<std::string>{KERF_BIN_DIR "/kerf-bridge-woody", HidTestbed::path(0),
-                                                                 std::to_string(kerf_->port())});
+    bridge_ = std::make_unique<Program>(std::vector<std::string>{std::string(kProgramFolder) + "/kerf-bridge-woody",
+                                                                 HidTestbed::path(0), std::to_string(kerf_->port())});
     ASSERT_TRUE(until([&] { return kerf_->counts().hands > 10; }));
   }
   bool isReady() const {

@@ -23,6 +23,7 @@
 #include "sim/run/cut/haptic_cut.h"
 #include "sim/run/export/export_bundle.h"
 #include "sim/run/report/replay.h"
+#include "tests/support/places.h"
 #include "tests/support/slice.h"
 #include "tests/support/temporary_folder.h"
 
@@ -33,7 +34,7 @@ namespace fs = std::filesystem;
 
 fs::path dataFolder() {
   const char* given = std::getenv("KERF_DATA");
-  return given ? fs::path(given) : fs::path(KERF_SOURCE_DIR) / ".." / "shared" / "data";
+  return given ? fs::path(given) : fs::path(kSourceFolder) / ".." / "shared" / "data";
 }
 
 // Files that are not meshes. All others must pass.
@@ -225,7 +226,7 @@ struct Verdicts {
 // External programs. Missing ones print SKIP and do not count.
 Verdicts askValidators(const fs::path& mesh, bool quick) {
   Verdicts out;
-  const std::string command = fmt::format("\"{}/tests/validators/validate\" {} \"{}\" 2>&1", KERF_SOURCE_DIR,
+  const std::string command = fmt::format("\"{}/tests/validators/validate\" {} \"{}\" 2>&1", kSourceFolder,
                                           quick ? "--quick" : "", mesh.string());
   FILE* pipe = ::popen(command.c_str(), "r");
   if (!pipe) throw std::runtime_error("validators cannot be started");

@@ -12,6 +12,7 @@
 
 #include "sim/device/arm/raw_arm.h"
 #include "tests/support/hid_testbed.h"
+#include "tests/support/places.h"
 #include "tests/support/temporary_folder.h"
 
 namespace kerf::cli_devices_test {
@@ -28,7 +29,7 @@ struct Printed {
 };
 Printed kerfSays(const std::string& arguments, const std::string& by = "timeout 60 ") {
   Printed out;
-  FILE* const pipe = ::popen((by + KERF_BIN_DIR "/kerf " + arguments + " 2>&1").c_str(), "r");
+  FILE* const pipe = ::popen((by + std::string(kProgramFolder) + "/kerf " + arguments + " 2>&1").c_str(), "r");
   std::array<char, 4096> part{};
   while (const std::size_t size = std::fread(part.data(), 1, part.size(), pipe)) out.text.append(part.data(), size);
   out.code = WEXITSTATUS(::pclose(pipe));

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "tests/support/places.h"
 #include "tests/ui/cli_runner.h"
 
 namespace kerf::cli_promises_test {
@@ -384,7 +385,7 @@ TEST_F(CliPromises, NewToolFilesOfSawsAndMeshesAreToolsAtOnce) {
 // script (of bsdutils, which every Debian has) gives it a terminal.
 TEST_F(CliPromises, ToolCheckShowsAtATerminalHowFarItIs) {
   const std::string command = fmt::format("script -qec '{}/kerf tool check round-014 us-35' {} >/dev/null 2>&1",
-                                          KERF_BIN_DIR, at("typescript"));
+                                          kProgramFolder, at("typescript"));
   ASSERT_EQ(std::system(command.c_str()), 0) << command;
   const std::string shown = contentOf(in("typescript"));
   for (const char* said :

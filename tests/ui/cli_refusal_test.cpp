@@ -5,6 +5,7 @@
 #include <random>
 #include <sstream>
 
+#include "tests/support/places.h"
 #include "tests/ui/cli_runner.h"
 
 namespace kerf::cli_refusal_test {
@@ -165,7 +166,7 @@ TEST_F(Cli, WhatIsNoMeshIsCalledByItsName) {
 }
 
 TEST_F(Cli, ARenamedToolHearsOfItsOtherMistakesFirst) {
-  const std::string tool = contentOf(fs::path(KERF_SOURCE_DIR) / "assets/tools/round-014.toml");
+  const std::string tool = contentOf(fs::path(kSourceFolder) / "assets/tools/round-014.toml");
   folder_.write("my-copy.toml", tool);
   refuses({"tool", "check", at("my-copy.toml")}, {"key id", "Try: id = \"my-copy\""});
   folder_.write("my-copy.toml", tool + "\nhead_dimeter = 2\n");
@@ -229,7 +230,7 @@ TEST_F(Cli, FoldersWithoutPermissionAreRefused) {
   nobody.as_nobody = true;
   makeRun();
   fs::permissions(folder_.path(), fs::perms(0755));
-  if (runKerf({"--version"}, nobody).exit_code != 0) GTEST_SKIP() << "nobody may not run " << KERF_BIN_DIR << "/kerf";
+  if (runKerf({"--version"}, nobody).exit_code != 0) GTEST_SKIP() << "nobody may not run " << kProgramFolder << "/kerf";
   refuses({"bake", at("box.off"), "-o", at("x.case")}, {"x.case", "Permission denied"}, 1, nobody);
   refuses({"export", at("box.run"), "-o", at("x.stl")}, {"x.stl", "Permission denied"}, 1, nobody);
   fs::permissions(in("box.off"), fs::perms(0600));

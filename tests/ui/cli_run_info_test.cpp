@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "tests/support/places.h"
 #include "tests/ui/cli_runner.h"
 
 namespace kerf::cli_run_info_test {
@@ -28,7 +29,7 @@ class CliRunInfo : public Cli {
   json cut(const std::string& run, const std::vector<std::string>& more = {}) {
     std::vector<std::string> words{
         "cut",       at("molar.case"), "--tool",
-        "round-014", "--path",         std::string(KERF_SOURCE_DIR) + "/assets/paths/demo-cavity.toml",
+        "round-014", "--path",         std::string(kSourceFolder) + "/assets/paths/demo-cavity.toml",
         "-o",        at(run),          "--json"};
     words.insert(words.end(), more.begin(), more.end());
     return parsed(words);

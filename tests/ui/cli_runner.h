@@ -21,6 +21,7 @@
 #include <thread>
 #include <vector>
 
+#include "tests/support/places.h"
 #include "tests/support/temporary_folder.h"
 
 namespace kerf {
@@ -54,7 +55,7 @@ inline std::optional<double> peakOf(pid_t process) {
 inline Outcome runKerf(const std::vector<std::string>& arguments, const RunOptions& options = {}) {
   TemporaryFolder capture;
   const std::string out = (capture.path() / "out").string(), err = (capture.path() / "err").string();
-  std::string program = std::string(KERF_BIN_DIR) + "/" + options.program;
+  std::string program = std::string(kProgramFolder) + "/" + options.program;
   std::vector<std::string> words = arguments;
   std::vector<char*> argv{program.data()};
   for (std::string& word : words) argv.push_back(word.data());

@@ -4,6 +4,7 @@
 #include <numbers>
 #include <sstream>
 
+#include "tests/support/places.h"
 #include "tests/ui/cli_runner.h"
 
 namespace kerf::cli_test {
@@ -241,7 +242,7 @@ TEST_F(Cli, CheckJudgesManyMeshesEachUnderItsName) {
 TEST_F(Cli, ACutAgainstResistanceGoesOnFromARun) {
   ASSERT_EQ(runKerf({"demo", "molar", "--coarseness", "3", "-o", at("molar")}).exit_code, 0);
   ASSERT_EQ(runKerf({"bake", at("molar/molar.toml"), "--voxel", "0.2", "-o", at("molar.case")}).exit_code, 0);
-  const std::string cavity = std::string(KERF_SOURCE_DIR) + "/assets/paths/demo-cavity.toml";
+  const std::string cavity = std::string(kSourceFolder) + "/assets/paths/demo-cavity.toml";
   // A hole beside it.
   folder_.write("beside.csv", "t,x,y,z,qw,qx,qy,qz\n0,3.2,0.5,9,1,0,0,0\n3,3.2,0.5,3,1,0,0,0\n6,3.2,0.5,9,1,0,0,0\n");
   const auto cut = [&](const std::string& from, const std::string& path, const std::string& run,
@@ -307,9 +308,9 @@ TEST_F(Cli, ACutAgainstResistanceGoesOnFromARun) {
 TEST_F(Cli, ACutAgainstResistanceIsRecordedAndReplaysBitForBit) {
   ASSERT_EQ(runKerf({"demo", "molar", "--coarseness", "3", "-o", at("molar")}).exit_code, 0);
   ASSERT_EQ(runKerf({"bake", at("molar/molar.toml"), "--voxel", "0.2", "-o", at("molar.case")}).exit_code, 0);
-  const std::string cavity = std::string(KERF_SOURCE_DIR) + "/assets/paths/demo-cavity.toml";
+  const std::string cavity = std::string(kSourceFolder) + "/assets/paths/demo-cavity.toml";
   // A strong and fast drive, for a short test.
-  std::string tool = bytesOf(std::string(KERF_SOURCE_DIR) + "/assets/tools/round-014.toml");
+  std::string tool = bytesOf(std::string(kSourceFolder) + "/assets/tools/round-014.toml");
   tool.replace(tool.find("round-014"), 9, "quick");
   folder_.write("quick.toml", tool + "\n[drive]\nhandpiece = \"electric\"\nstall_torque_Nmm = 8\nenergy_factor = 3\n");
   const auto cut = [&](const std::string& run, const std::vector<std::string>& hand) {
@@ -451,14 +452,14 @@ TEST_F(Cli, ACutAgainstResistanceIsRecordedAndReplaysBitForBit) {
           {"--response", "constraint"}, 2);
   // A table that lacks one of the case's materials cannot define its cutting: no guess.
   std::filesystem::create_directories(at("assets"));
-  std::string table = bytesOf(std::string(KERF_SOURCE_DIR) + "/assets/materials.toml");
+  std::string table = bytesOf(std::string(kSourceFolder) + "/assets/materials.toml");
   const std::size_t caries = table.find("number = 4\n");
   ASSERT_NE(caries, table.npos);
   table.replace(caries, 10, "number = 44");
   std::ofstream(at("assets/materials.toml"), std::ios::binary) << table;
   RunOptions other;
   other.environment["KERF_ASSETS"] = at("assets");
-  refuses({"cut", at("molar.case"), "--tool", std::string(KERF_SOURCE_DIR) + "/assets/tools/round-014.toml", "--path",
+  refuses({"cut", at("molar.case"), "--tool", std::string(kSourceFolder) + "/assets/tools/round-014.toml", "--path",
            cavity, "-o", at("x.run"), "--hand", "feed"},
           {"[[material]] caries", "number 4, which is no material in", "KERF_ASSETS"}, 1, other);
   // The same for a table that reuses the number: caries would be cut, and counted, as resin.
@@ -467,7 +468,7 @@ TEST_F(Cli, ACutAgainstResistanceIsRecordedAndReplaysBitForBit) {
   std::ofstream(at("assets/materials.toml"), std::ios::binary) << table;
   for (const std::vector<std::string>& hand : {std::vector<std::string>{}, {"--hand", "feed"}}) {
     std::vector<std::string> words{
-        "cut",    at("molar.case"), "--tool", std::string(KERF_SOURCE_DIR) + "/assets/tools/round-014.toml",
+        "cut",    at("molar.case"), "--tool", std::string(kSourceFolder) + "/assets/tools/round-014.toml",
         "--path", cavity,           "-o",     at("x.run")};
     words.insert(words.end(), hand.begin(), hand.end());
     refuses(words, {"case.toml", "number 4, which is 'resin' in", "there 4 is 'caries'", "bake again"}, 1, other);
@@ -824,7 +825,7 @@ TEST_F(Cli, WhatIsAddedIsPartOfTheExportedSolidAndTheRestIsAsItWas) {
 
 TEST_F(Cli, ACutInAFineRegionIsTheCutOfAnObjectBakedThatFine) {
   ASSERT_EQ(runKerf({"demo-molar", "--edge", "0.4", "-o", at("molar.ply")}).exit_code, 0);
-  const std::string cavity = std::string(KERF_SOURCE_DIR) + "/assets/paths/demo-cavity.toml";
+  const std::string cavity = std::string(kSourceFolder) + "/assets/paths/demo-cavity.toml";
   const auto bake = [&](const std::string& name, std::vector<std::string> more) {
     more.insert(more.begin(), {"bake", at("molar.ply"), "-o", at(name + ".case"), "--json"});
     return parsed(runKerf(more));
@@ -864,7 +865,7 @@ TEST_F(Cli, DemoMolarGoesFromMeshToPrint) {
   const json baked = parsed(runKerf({"bake", at("molar.ply"), "-o", at("molar.case"), "--voxel", "0.2", "--json"}));
   EXPECT_TRUE(baked["exact"]);
   EXPECT_EQ(baked["sources"][0]["unit"], "mm");
-  const std::string cavity = std::string(KERF_SOURCE_DIR) + "/assets/paths/demo-cavity.toml";
+  const std::string cavity = std::string(kSourceFolder) + "/assets/paths/demo-cavity.toml";
   const json cut = parsed(
       runKerf({"cut", at("molar.case"), "--tool", "round-014", "--path", cavity, "-o", at("molar.run"), "--json"}));
   EXPECT_GT(cut["segments"], 0);
@@ -958,7 +959,7 @@ TEST_F(Cli, SeveralToolsAreCheckedInATable) {
 // The full chain twice, then on one core: same id, same state, same exported bytes.
 TEST_F(Cli, TheSameInputsGiveTheSameBytesOnAnyNumberOfThreads) {
   ASSERT_EQ(runKerf({"demo-molar", "--edge", "0.6", "-o", at("molar.stl")}).exit_code, 0);
-  const std::string cavity = std::string(KERF_SOURCE_DIR) + "/assets/paths/demo-cavity.toml";
+  const std::string cavity = std::string(kSourceFolder) + "/assets/paths/demo-cavity.toml";
   std::map<std::string, std::string> first;
   for (int round = 0; round < 3; ++round) {
     RunOptions options;

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/places.h"
 #include "ui/app/view/tissue_display.h"
 #include "ui/window/gl/image.h"
 
@@ -36,7 +37,7 @@ Outcome shell(const std::string& command) {
   return outcome;
 }
 
-const std::string kProgram = std::string("'") + KERF_BIN_DIR + "/kerf-sim'";
+const std::string kProgram = std::string("'") + kProgramFolder + "/kerf-sim'";
 
 class KerfSim : public ::testing::Test {
  protected:
@@ -76,7 +77,7 @@ TEST_F(KerfSim, AFilmIsThatOfAReplay) {
 
 // A groove along the mesh, and a picture every half second.
 TEST_F(KerfSim, AFilmShowsTheCutGrowAndIsTheSameTwice) {
-  const std::string kerf = std::string("'") + KERF_BIN_DIR + "/kerf'", a_case = (folder_ / "a.case").string(),
+  const std::string kerf = std::string("'") + kProgramFolder + "/kerf'", a_case = (folder_ / "a.case").string(),
                     run = (folder_ / "a.run").string(), path = (folder_ / "groove.csv").string();
   std::ofstream(path) << "t,x,y,z,qw,qx,qy,qz\n0,1.2,1,5,1,0,0,0\n1,1.2,1,1.5,1,0,0,0\n2,1.2,1.8,1.5,1,0,0,0\n";
   const Outcome made = shell(
@@ -111,7 +112,7 @@ TEST_F(KerfSim, AFilmShowsTheCutGrowAndIsTheSameTwice) {
 
 TEST_F(KerfSim, SigtermToAScriptThatBakesLeavesNothingHalfWritten) {
   const fs::path molar = folder_ / "molar.stl", script = folder_ / "wait.txt", data = folder_ / "data";
-  ASSERT_EQ(shell(fmt::format("'{}/kerf' demo-molar --edge 0.1 -o '{}'", KERF_BIN_DIR, molar.string())).status, 0);
+  ASSERT_EQ(shell(fmt::format("'{}/kerf' demo-molar --edge 0.1 -o '{}'", kProgramFolder, molar.string())).status, 0);
   std::ofstream(script) << "wait\n";
   const Outcome done = shell(
       fmt::format("env -u DISPLAY -u WAYLAND_DISPLAY {} '{}' --data '{}' --script '{}' --voxel 0.05 2>&1 & baking=$!; "
@@ -218,7 +219,7 @@ TEST_F(KerfSim, FoldersShowTheirMesh) {
   EXPECT_EQ(empty.status, 1);
   EXPECT_NE(empty.text.find("case.toml"), std::string::npos) << empty.text;
   // A real case, baked by the command-line program.
-  const fs::path kerf = fs::path(KERF_BIN_DIR) / "kerf";
+  const fs::path kerf = fs::path(kProgramFolder) / "kerf";
   const Outcome baked =
       shell(fmt::format("'{}' bake '{}' -o '{}' --voxel 0.5 --force", kerf.string(), mesh().string(), a_case.string()));
   ASSERT_EQ(baked.status, 0) << baked.text;

@@ -6,6 +6,7 @@
 #include <random>
 #include <sstream>
 
+#include "tests/support/places.h"
 #include "tests/support/temporary_folder.h"
 #include "ui/app/commands/app_commands.h"
 #include "ui/app/script/command_palette.h"
@@ -16,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kGerman = fs::path(KERF_SOURCE_DIR) / "assets/languages/de.po";
+const fs::path kGerman = fs::path(kSourceFolder) / "assets/languages/de.po";
 
 std::string withHeader(const std::string& rows) {
   return "msgid \"\"\nmsgstr \"\"\n\"Content-Type: text/plain; charset=UTF-8\\n\"\n\"X-Language-Name: Test\\n\"\n" +

@@ -10,6 +10,7 @@
 #include "preprocess/bake/pair.h"
 #include "sim/run/export/export_bundle.h"
 #include "sim/run/report/replay.h"
+#include "tests/support/places.h"
 #include "tests/ui/block_on_bench.h"
 #include "ui/app/document/document.h"
 #include "ui/app/document/jobs.h"
@@ -325,7 +326,7 @@ class RealNeighboursTest : public NeighboursTest {
  protected:
   static fs::path data(const std::string& file) {
     const char* given = std::getenv("KERF_DATA");
-    const fs::path folder = given ? fs::path(given) : fs::path(KERF_SOURCE_DIR) / ".." / "shared" / "data";
+    const fs::path folder = given ? fs::path(given) : fs::path(kSourceFolder) / ".." / "shared" / "data";
     return folder / file;
   }
 };

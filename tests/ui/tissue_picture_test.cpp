@@ -15,6 +15,7 @@
 #include "bench/scenes/carved_field.h"
 #include "geometry/mesh/mesh_check.h"
 #include "sim/live/tissue_mesher.h"
+#include "tests/support/places.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/welded_mesh.h"
 #include "tests/ui/picture_compare.h"
@@ -442,7 +443,7 @@ TEST_F(TissuePicture, LooksAsItDid) {
     const Image now = picture();
     TearDown();
     const std::filesystem::path file =
-        std::filesystem::path(KERF_SOURCE_DIR) / "tests/ui/pictures" / (std::string(scene.name) + ".png");
+        std::filesystem::path(kSourceFolder) / "tests/ui/pictures" / (std::string(scene.name) + ".png");
     if (write_to) {
       ASSERT_TRUE(writePng(std::filesystem::path(write_to) / file.filename(), now));
       continue;

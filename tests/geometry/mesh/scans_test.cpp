@@ -8,6 +8,7 @@
 
 #include "geometry/formats/mesh_io.h"
 #include "geometry/mesh/mesh_check.h"
+#include "tests/support/places.h"
 
 namespace kerf::scans_test {
 namespace {
@@ -45,7 +46,7 @@ constexpr Scan kScans[] = {
 
 std::filesystem::path dataFolder() {
   if (const char* folder = std::getenv("KERF_DATA")) return folder;
-  return std::filesystem::path(KERF_SOURCE_DIR) / ".." / "shared" / "data";
+  return std::filesystem::path(kSourceFolder) / ".." / "shared" / "data";
 }
 
 double millisecondsSince(std::chrono::steady_clock::time_point start) {

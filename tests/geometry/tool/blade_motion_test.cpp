@@ -5,6 +5,7 @@
 #include <set>
 
 #include "geometry/tool/tool_file.h"
+#include "tests/support/places.h"
 
 namespace kerf::blade_motion_test {
 namespace {
@@ -24,7 +25,7 @@ TEST(BladeMotions, HaveNamesOfTheirOwnAndAreFoundByThem) {
 // Every row must have a tool in the rack, which tests its drawing, its sound and its removal.
 TEST(BladeMotions, HaveEachAToolInTheRackThatCutsAndMoves) {
   std::set<const BladeMotion*> seen;
-  for (const ToolListing& listing : listTools({std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools"})) {
+  for (const ToolListing& listing : listTools({std::filesystem::path(kSourceFolder) / "assets/tools"})) {
     ASSERT_TRUE(listing.tool) << listing.file;
     const Tool& tool = *listing.tool;
     EXPECT_EQ(tool.motion != nullptr, tool.kind == ToolKind::kBlade) << tool.id;

@@ -7,12 +7,13 @@
 
 #include "geometry/tool/tool_file.h"
 #include "geometry/tool/tool_template.h"
+#include "tests/support/places.h"
 #include "tests/support/temporary_folder.h"
 
 namespace kerf::tool_drawing_test {
 namespace {
 
-const std::filesystem::path kRack = std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools";
+const std::filesystem::path kRack = std::filesystem::path(kSourceFolder) / "assets/tools";
 
 TEST(ToolDrawing, StatesNameCodeAndDimensions) {
   const auto tool = readTool(kRack / "856-016.toml");

@@ -8,6 +8,7 @@
 
 #include "geometry/tool/head_shape.h"
 #include "tests/geometry/sampled_field.h"
+#include "tests/support/places.h"
 #include "tests/support/temporary_file.h"
 #include "tests/support/temporary_folder.h"
 
@@ -37,14 +38,14 @@ double plungedNumerically(const Tool& tool, double depth) {
 }
 
 TEST(ToolFile, ToolsThatComeWithKerfAreRead) {
-  const auto tools = listTools({std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools"});
+  const auto tools = listTools({std::filesystem::path(kSourceFolder) / "assets/tools"});
   ASSERT_GE(tools.size(), 90u);
   for (const ToolListing& t : tools) EXPECT_TRUE(t.tool) << t.error->message();
 }
 
 TEST(ToolFile, AnIdInAnEarlierFolderHidesTheSameIdInLaterOnes) {
   const TemporaryFolder mine;
-  const std::filesystem::path rack = std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools";
+  const std::filesystem::path rack = std::filesystem::path(kSourceFolder) / "assets/tools";
   std::filesystem::copy_file(rack / "us-330.toml", mine.path() / "us-330.toml");
   const std::size_t all = listTools({rack}).size();
   const auto tools = listTools({mine.path(), rack});
@@ -59,7 +60,7 @@ TEST(ToolFile, AnIdInAnEarlierFolderHidesTheSameIdInLaterOnes) {
 }
 
 TEST(ToolFile, EveryToolThatComesWithKerfSaysWhatItIsAndWhereItsNumbersComeFrom) {
-  for (const ToolListing& t : listTools({std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools"})) {
+  for (const ToolListing& t : listTools({std::filesystem::path(kSourceFolder) / "assets/tools"})) {
     ASSERT_TRUE(t.tool) << t.error->message();
     EXPECT_FALSE(t.tool->description.empty()) << t.tool->id;
     EXPECT_EQ(contentOf(t.file).substr(0, 2), "# ") << t.tool->id;
@@ -72,7 +73,7 @@ TEST(ToolFile, EveryToolThatComesWithKerfSaysWhatItIsAndWhereItsNumbersComeFrom)
 }
 
 TEST(ToolFile, NoCuttingPartOfTheRackHidesInItsNeckOrShank) {
-  for (const ToolListing& t : listTools({std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools"})) {
+  for (const ToolListing& t : listTools({std::filesystem::path(kSourceFolder) / "assets/tools"})) {
     ASSERT_TRUE(t.tool) << t.error->message();
     if (!t.tool->cutting) continue;
     for (const Eigen::Vector2d& p : t.tool->cutting->polyline(0.01)) {
@@ -91,7 +92,7 @@ TEST(ToolFile, AShankWiderThanTheHeadBeginsAboveIt) {
 }
 
 TEST(ToolFile, EveryShapeIsWrittenFromItsExamplesAndExplainedInTheReadme) {
-  const std::string readme = contentOf(std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools/README.md");
+  const std::string readme = contentOf(std::filesystem::path(kSourceFolder) / "assets/tools/README.md");
   for (const HeadShape& shape : headShapes()) {
     EXPECT_NE(readme.find(fmt::format("| `{}` |", shape.name)), readme.npos) << shape.name;
     if (shape.takes_profile) continue;
@@ -301,7 +302,7 @@ TEST(ToolFile, BadFilesAreRefusedWithLineAndKey) {
 }
 
 TEST(ToolFile, AnUnknownIdNamesTheToolsThereAre) {
-  const auto found = findToolFile("round-041", {std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools"});
+  const auto found = findToolFile("round-041", {std::filesystem::path(kSourceFolder) / "assets/tools"});
   ASSERT_FALSE(found);
   EXPECT_NE(found.error().message().find("Try: round-014"), std::string::npos) << found.error().message();
 }
@@ -378,7 +379,7 @@ TEST(Tool, SagittalBladeSweepsASectorOfItsKerf) {
 }
 
 TEST(Tool, BladeCutsItsKerfOverTheWholeStroke) {
-  const auto tool = readTool(std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools/saw-reciprocating-25.toml");
+  const auto tool = readTool(std::filesystem::path(kSourceFolder) / "assets/tools/saw-reciprocating-25.toml");
   ASSERT_TRUE(tool) << tool.error().message();
   EXPECT_NEAR(tool->kerfWidth(), 0.44, 1e-12);
   EXPECT_NEAR(plungeVolume(*tool, 2), 0.44 * 28 * 2, 1e-12);
@@ -387,7 +388,7 @@ TEST(Tool, BladeCutsItsKerfOverTheWholeStroke) {
 }
 
 TEST(Tool, MeshesForTheEyeAreClosedAndAsBigAsTheirFormulas) {
-  for (const ToolListing& t : listTools({std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools"})) {
+  for (const ToolListing& t : listTools({std::filesystem::path(kSourceFolder) / "assets/tools"})) {
     ASSERT_TRUE(t.tool);
     const Mesh mesh = toolMesh(*t.tool);
     expectClosedManifold(mesh);

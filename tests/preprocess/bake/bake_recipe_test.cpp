@@ -13,6 +13,7 @@
 #include "preprocess/volume/label_volume.h"
 #include "preprocess/voxelize/voxel_union.h"
 #include "tests/geometry/ball_mesh.h"
+#include "tests/support/places.h"
 #include "tests/support/slice.h"
 #include "tests/support/temporary_folder.h"
 
@@ -308,7 +309,7 @@ TEST(VoxelUnion, ASheetOfAirBetweenPartsVanishesAndTheSurfaceStays) {
 
 fs::path dataFolder() {
   const char* given = std::getenv("KERF_DATA");
-  return given ? fs::path(given) : fs::path(KERF_SOURCE_DIR) / ".." / "shared" / "data";
+  return given ? fs::path(given) : fs::path(kSourceFolder) / ".." / "shared" / "data";
 }
 
 // Parts of a recipe from files of the data folder, with absolute paths.

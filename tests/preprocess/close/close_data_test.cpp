@@ -10,6 +10,7 @@
 #include "geometry/mesh/self_intersection.h"
 #include "preprocess/close/close.h"
 #include "tests/preprocess/base_section.h"
+#include "tests/support/places.h"
 #include "tests/support/slice.h"
 
 namespace kerf::close_data_test {
@@ -17,7 +18,7 @@ namespace {
 
 std::filesystem::path dataFolder() {
   const char* given = std::getenv("KERF_DATA");
-  return given ? std::filesystem::path(given) : std::filesystem::path(KERF_SOURCE_DIR) / ".." / "shared" / "data";
+  return given ? std::filesystem::path(given) : std::filesystem::path(kSourceFolder) / ".." / "shared" / "data";
 }
 
 struct Case {

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "preprocess/close/close.h"
+#include "tests/support/places.h"
 
 namespace kerf::label_surface_test {
 namespace {
@@ -279,7 +280,7 @@ TEST(SmoothLabels, WrongCallsAreRefused) {
 TEST(SmoothLabels, RealJawsKeepTheVolumeOfEveryLabel) {
   const char* given = std::getenv("KERF_DATA");
   const auto folder =
-      given ? std::filesystem::path(given) : std::filesystem::path(KERF_SOURCE_DIR) / ".." / "shared" / "data";
+      given ? std::filesystem::path(given) : std::filesystem::path(kSourceFolder) / ".." / "shared" / "data";
   const auto path = folder / "cbct-jaws-teeth-labels.nii.gz";
   if (!std::filesystem::exists(path)) GTEST_SKIP() << "no data: " << path << " (set KERF_DATA)";
   const auto v = readLabelVolume(path);

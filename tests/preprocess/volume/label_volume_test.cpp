@@ -8,6 +8,7 @@
 #include <random>
 
 #include "tests/preprocess/label_volume_samples.h"
+#include "tests/support/places.h"
 #include "tests/support/temporary_file.h"
 #include "tests/support/temporary_folder.h"
 
@@ -539,7 +540,7 @@ TEST(LabelVolume, DicomFilesThatAreCutShortAreRefusedAtEveryByteOfTheirPixels) {
 // A length of 1.4 GB in a file of 568 bytes: neither the program nor the process that tries the slices allocates it.
 TEST(LabelVolume, LengthsInDicomFilesAreNotTakenAsMemory) {
   const std::filesystem::path seed =
-      std::filesystem::path(KERF_SOURCE_DIR) / "tests/data/fuzz/label_slices/a-length-of-gigabytes";
+      std::filesystem::path(kSourceFolder) / "tests/data/fuzz/label_slices/a-length-of-gigabytes";
   std::ifstream in(seed, std::ios::binary);
   const std::string bytes{std::istreambuf_iterator<char>(in), {}};
   ASSERT_GT(bytes.size(), 500u);

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "sim/device/hid/device_finder.h"
+#include "tests/support/places.h"
 
 namespace kerf::device_driver_test {
 namespace {
@@ -95,7 +96,7 @@ TEST(DeviceFinder, ASerialThatTwoHaveNamesNone) {
 class UdevRule {
  public:
   UdevRule() {
-    std::ifstream file(std::filesystem::path(KERF_SOURCE_DIR) / "assets/udev/70-kerf-hid.rules");
+    std::ifstream file(std::filesystem::path(kSourceFolder) / "assets/udev/70-kerf-hid.rules");
     const std::regex vendor(R"~(ATTRS\{idVendor\}=="([0-9a-f]{4})")~");
     const std::regex product(R"~(ATTRS\{idProduct\}=="([0-9a-f|]+)")~");
     const std::regex bluetooth(R"~(KERNELS=="0005:([0-9A-F]{4}):\*")~");

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "tests/support/places.h"
 #include "tests/support/temporary_file.h"
 
 namespace kerf::path_test {
@@ -20,7 +21,7 @@ Expected<CutPath> read(const std::string& name, const std::string& text) {
 
 TEST(Path, FilesThatComeWithKerfAreRead) {
   for (const char* name : {"demo-cavity.toml", "demo-poses.csv"}) {
-    const auto path = readPath(std::filesystem::path(KERF_SOURCE_DIR) / "assets/paths" / name);
+    const auto path = readPath(std::filesystem::path(kSourceFolder) / "assets/paths" / name);
     ASSERT_TRUE(path) << path.error().message();
     ASSERT_EQ(path->cuts.size() + 1, path->poses.size());
     for (std::size_t n = 0; n + 1 < path->poses.size(); ++n) EXPECT_LT(path->poses[n].t, path->poses[n + 1].t);

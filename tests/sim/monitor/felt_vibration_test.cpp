@@ -12,6 +12,7 @@
 
 #include "geometry/tool/tool_file.h"
 #include "tests/support/allocation_guard.h"
+#include "tests/support/places.h"
 
 namespace kerf::felt_vibration_test {
 namespace {
@@ -151,7 +152,7 @@ TEST(FeltVibration, NoInputMakesItLeaveItsBounds) {
 
 TEST(FeltVibration, RackToolsAreFeltAsWhatTheyAre) {
   const auto kindOf = [](const char* id) {
-    const auto tool = readTool(std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools" / (std::string(id) + ".toml"));
+    const auto tool = readTool(std::filesystem::path(kSourceFolder) / "assets/tools" / (std::string(id) + ".toml"));
     EXPECT_TRUE(tool) << id;
     return feltSource(*tool, defaultDrive(*tool)).kind;
   };

@@ -11,6 +11,7 @@
 
 #include "geometry/tool/tool_file.h"
 #include "tests/support/allocation_guard.h"
+#include "tests/support/places.h"
 
 namespace kerf::vibration_test {
 namespace {
@@ -192,7 +193,7 @@ TEST(Vibration, NoInputMakesItLeaveItsBounds) {
 }
 
 TEST(Vibration, RackToolsSoundAtTheirDrivesFrequency) {
-  const std::filesystem::path rack = std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools";
+  const std::filesystem::path rack = std::filesystem::path(kSourceFolder) / "assets/tools";
   int spinning = 0, stroking = 0;
   for (const auto& entry : std::filesystem::directory_iterator(rack)) {
     if (entry.path().extension() != ".toml") continue;

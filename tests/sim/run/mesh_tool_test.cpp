@@ -10,6 +10,7 @@
 #include "geometry/tool/tool_file.h"
 #include "sim/run/sweep/tool_check.h"
 #include "tests/geometry/ball_mesh.h"
+#include "tests/support/places.h"
 #include "tests/support/temporary_folder.h"
 
 namespace kerf::mesh_tool_test {
@@ -95,7 +96,7 @@ TEST(MeshTool, AHeadThatIsNotConvexRemovesWhatItsMeshSays) {
 // The development mesh of a handpiece: its bur is a pencil of ten sides, 2 mm wide, with its point at the origin.
 TEST(MeshTool, TheBurOfAHandpieceCutsAndTheHandpieceOnlyCollides) {
   const char* given = std::getenv("KERF_DATA");
-  const fs::path data = given ? fs::path(given) : fs::path(KERF_SOURCE_DIR) / ".." / "shared" / "data";
+  const fs::path data = given ? fs::path(given) : fs::path(kSourceFolder) / ".." / "shared" / "data";
   const fs::path mesh = data / "dental-handpiece-with-bur.obj";
   if (!fs::exists(mesh)) GTEST_SKIP() << mesh << " is not here: set KERF_DATA to try a real handpiece";
   const TemporaryFolder folder;

@@ -14,6 +14,7 @@
 #include "sim/hand/path.h"
 #include "sim/run/files/run_manifest.h"
 #include "tests/geometry/ball_mesh.h"
+#include "tests/support/places.h"
 #include "tests/support/temporary_folder.h"
 
 namespace kerf::text_files_test {
@@ -88,7 +89,7 @@ TEST(TextFiles, MutatedToolsAreReadOrRefused) {
   for (const char* id : {"round-014", "856-016", "saw-reciprocating-25", "us-957", "878k-016", "379-018",
                          "saw-sagittal-10", "disc-22"}) {
     const std::string name = std::string(id) + ".toml";
-    files[name] = contentOf(std::string(KERF_SOURCE_DIR) + "/assets/tools/" + name);
+    files[name] = contentOf(std::string(kSourceFolder) + "/assets/tools/" + name);
   }
   for (const auto& [name, good] : files) {
     const Tally t = tally(folder, name, good, 400, [&]() -> Expected<void> {
@@ -107,7 +108,7 @@ TEST(TextFiles, MutatedToolsAreReadOrRefused) {
 TEST(TextFiles, MutatedPathsAreReadOrRefused) {
   const TemporaryFolder folder;
   for (const std::string name : {"demo-cavity.toml", "demo-poses.csv"}) {
-    const Tally t = tally(folder, name, contentOf(std::string(KERF_SOURCE_DIR) + "/assets/paths/" + name), 700,
+    const Tally t = tally(folder, name, contentOf(std::string(kSourceFolder) + "/assets/paths/" + name), 700,
                           [&]() -> Expected<void> {
                             KERF_TRY(path, readPath(folder.path() / name));
                             EXPECT_EQ(path.cuts.size() + 1, path.poses.size());

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "geometry/tool/tool_file.h"
+#include "tests/support/places.h"
 
 namespace kerf::tool_check_test {
 namespace {
@@ -24,7 +25,7 @@ TEST_P(EveryTool, RemovesWhatItsNumbersSayAtTenVoxelsPerDiameter) {
 
 std::vector<std::filesystem::path> filesOfTheRack() {
   std::vector<std::filesystem::path> files;
-  for (const ToolListing& tool : listTools({std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools"}))
+  for (const ToolListing& tool : listTools({std::filesystem::path(kSourceFolder) / "assets/tools"}))
     files.push_back(tool.file);
   return files;
 }
@@ -39,7 +40,7 @@ INSTANTIATE_TEST_SUITE_P(ThatComesWithKerf, EveryTool, ::testing::ValuesIn(files
 
 TEST(ToolCheck, ToolsRemoveWhatTheirNumbersSayAtTheDefaultVoxel) {
   for (const char* id : {"round-014", "us-35", "us-957", "878k-016", "saw-sagittal-6"}) {
-    const auto tool = readTool(std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools" / (std::string(id) + ".toml"));
+    const auto tool = readTool(std::filesystem::path(kSourceFolder) / "assets/tools" / (std::string(id) + ".toml"));
     ASSERT_TRUE(tool) << tool.error().message();
     const auto check = checkTool(*tool);
     ASSERT_TRUE(check) << check.error().message();
@@ -48,7 +49,7 @@ TEST(ToolCheck, ToolsRemoveWhatTheirNumbersSayAtTheDefaultVoxel) {
 }
 
 TEST(ToolCheck, AToolThatCutsWiderThanItsNumbersFails) {
-  auto tool = readTool(std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools/round-014.toml");
+  auto tool = readTool(std::filesystem::path(kSourceFolder) / "assets/tools/round-014.toml");
   ASSERT_TRUE(tool);
   tool->cut = std::make_shared<RevolvedShape>(RevolvedProfile().arcTo({0, 0.705}, {0, 1.41}));  // 1.4 % more volume
   const auto check = checkTool(*tool);
@@ -58,7 +59,7 @@ TEST(ToolCheck, AToolThatCutsWiderThanItsNumbersFails) {
 }
 
 TEST(ToolCheck, ReportsHowFarItIsAndStopsWhenItIsTold) {
-  const auto tool = readTool(std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools/round-014.toml");
+  const auto tool = readTool(std::filesystem::path(kSourceFolder) / "assets/tools/round-014.toml");
   ASSERT_TRUE(tool);
   std::vector<double> while_plunging;
   const auto check = checkTool(*tool, 0, [&](double fraction, std::string_view what) {
@@ -83,7 +84,7 @@ TEST(ToolCheck, ReportsHowFarItIsAndStopsWhenItIsTold) {
 }
 
 TEST(ToolCheck, AVoxelTooCoarseForTheToolIsRefused) {
-  const auto tool = readTool(std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools/round-014.toml");
+  const auto tool = readTool(std::filesystem::path(kSourceFolder) / "assets/tools/round-014.toml");
   ASSERT_TRUE(tool);
   EXPECT_FALSE(checkTool(*tool, 0.5));
   EXPECT_FALSE(checkTool(*tool, -0.1));

@@ -7,12 +7,13 @@
 #include <string>
 
 #include "geometry/tool/tool_file.h"
+#include "tests/support/places.h"
 #include "tests/support/temporary_folder.h"
 
 namespace kerf::tool_resolution_test {
 namespace {
 
-std::vector<std::filesystem::path> rackFolder() { return {std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools"}; }
+std::vector<std::filesystem::path> rackFolder() { return {std::filesystem::path(kSourceFolder) / "assets/tools"}; }
 
 Tool toolOfRack(const std::string& id) {
   const auto tool = readTool(rackFolder().front() / (id + ".toml"));

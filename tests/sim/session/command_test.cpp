@@ -7,6 +7,7 @@
 #include <random>
 #include <set>
 
+#include "tests/support/places.h"
 #include "tests/support/temporary_folder.h"
 
 namespace kerf::command_test {
@@ -172,7 +173,7 @@ TEST(Command, EveryRowIsAWholeSentenceWithAllItsParameters) {
 }
 
 TEST(Command, TheReferenceInDocsIsThatOfTheTable) {
-  EXPECT_TRUE(contentOf(KERF_SOURCE_DIR "/docs/reference/session-commands.md") == commandReference())
+  EXPECT_TRUE(contentOf(std::string(kSourceFolder) + "/docs/reference/session-commands.md") == commandReference())
       << "docs/reference/session-commands.md is another one. Write it again, from the root:\n"
       << "  build/release/bin/kerf replay --commands > docs/reference/session-commands.md";
 }

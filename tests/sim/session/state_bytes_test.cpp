@@ -11,6 +11,7 @@
 #include "sim/run/files/log_sink.h"
 #include "sim/run/report/replay.h"
 #include "tests/sim/block_scene.h"
+#include "tests/support/places.h"
 #include "tests/support/temporary_file.h"
 
 namespace kerf::state_bytes_test {
@@ -74,7 +75,7 @@ TEST(StateBytes, AStateFromBytesGoesOnBitForBit) {
 
 // The load of a tool's core acts one evaluation later, and friction depends on its last hold: both are state.
 void expectNeedleGoesOn(double pedal) {
-  const auto needle = readTool(std::string(KERF_SOURCE_DIR) + "/assets/tools/859-012.toml");
+  const auto needle = readTool(std::string(kSourceFolder) + "/assets/tools/859-012.toml");
   ASSERT_TRUE(needle) << needle.error().message();
   Model model = twoBalls();
   model.tools = {makeToolModel(*needle)};

@@ -15,6 +15,7 @@
 #include "sim/step/tool_core.h"
 #include "tests/sim/block_scene.h"
 #include "tests/support/allocation_guard.h"
+#include "tests/support/places.h"
 
 namespace kerf::core_contact_test {
 namespace {
@@ -22,7 +23,7 @@ namespace {
 using scenes::SinkScene;
 
 ToolModel toolOfRack(const std::string& id) {
-  const auto tool = readTool(std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools" / (id + ".toml"));
+  const auto tool = readTool(std::filesystem::path(kSourceFolder) / "assets/tools" / (id + ".toml"));
   EXPECT_TRUE(tool) << tool.error().message();
   return makeToolModel(*tool);
 }

@@ -9,6 +9,7 @@
 #include "geometry/tool/tool_file.h"
 #include "sim/object/cut_area.h"
 #include "tests/sim/block_scene.h"
+#include "tests/support/places.h"
 
 namespace kerf::cut_area_test {
 namespace {
@@ -59,7 +60,7 @@ TEST(CutArea, WithWhatIsUnpaidItFollowsTwiceAsFast) {
 }
 
 Model modelOf(const char* id) {
-  const auto tool = readTool(std::string(KERF_SOURCE_DIR) + "/assets/tools/" + id + ".toml");
+  const auto tool = readTool(std::string(kSourceFolder) + "/assets/tools/" + id + ".toml");
   EXPECT_TRUE(tool) << tool.error().message();
   Model model;
   model.tools = {makeToolModel(*tool)};

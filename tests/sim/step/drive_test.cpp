@@ -11,6 +11,7 @@
 #include "geometry/tool/tool_file.h"
 #include "sim/run/scene/load_scene.h"
 #include "sim/step/erode_brick.h"
+#include "tests/support/places.h"
 
 namespace kerf::drive_test {
 namespace {
@@ -245,7 +246,7 @@ TEST(Drive, ADiamondCutsBackwardsAsForwardsAndPullsTheOtherWay) {
 }
 
 TEST(Drill, OnlyTheDrillsOfTheRackHaveLips) {
-  for (const ToolListing& t : listTools({std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools"})) {
+  for (const ToolListing& t : listTools({std::filesystem::path(kSourceFolder) / "assets/tools"})) {
     ASSERT_TRUE(t.tool);
     const ToolModel model = makeToolModel(*t.tool, 0.2);
     const bool is_twist = t.tool->id.starts_with("twist-");

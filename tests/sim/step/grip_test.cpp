@@ -10,6 +10,7 @@
 #include "geometry/tool/tool_file.h"
 #include "tests/sim/block_scene.h"
 #include "tests/support/allocation_guard.h"
+#include "tests/support/places.h"
 
 namespace kerf::grip_test {
 namespace {
@@ -17,7 +18,7 @@ namespace {
 constexpr double kFriction = 0.3;
 
 ToolModel toolOfRack(const std::string& id) {
-  const auto tool = readTool(std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools" / (id + ".toml"));
+  const auto tool = readTool(std::filesystem::path(kSourceFolder) / "assets/tools" / (id + ".toml"));
   EXPECT_TRUE(tool) << tool.error().message();
   return makeToolModel(*tool);
 }

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "geometry/tool/tool_file.h"
+#include "tests/support/places.h"
 #include "tests/support/temporary_file.h"
 
 namespace kerf::tool_model_test {
@@ -47,7 +48,7 @@ TEST(ToolModel, MeanSpeedIsThatOfAnyMotionThereAndBack) {
 }
 
 TEST(ToolModel, WithoutADriveInTheFileTheDefaultsHold) {
-  for (const ToolListing& t : listTools({std::filesystem::path(KERF_SOURCE_DIR) / "assets/tools"})) {
+  for (const ToolListing& t : listTools({std::filesystem::path(kSourceFolder) / "assets/tools"})) {
     ASSERT_TRUE(t.tool) << t.error->message();
     if (t.tool->drive.frequency_hz) continue;  // its file has a drive
     const ToolDrive drive = driveOf(*t.tool), expected = defaultDrive(*t.tool);
