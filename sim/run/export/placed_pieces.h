@@ -20,7 +20,7 @@ struct PlacedPiece {
   std::uint32_t id = 0;  ///< RunManifest::Piece::id
   std::string name;
   bool is_moved = false;
-  Mesh mesh;  ///< closed; an unmoved piece has the vertices of the whole, bit for bit
+  Mesh mesh{};  ///< closed; an unmoved piece has the vertices of the whole, bit for bit
   /// For a file with names: the user's name, or the names of its solids in the source. Empty: none.
   std::vector<NamedPart> objects{};
 };

@@ -8,7 +8,9 @@
 
 #include "geometry/boolean/plane_cut.h"
 #include "geometry/mesh/solids.h"
+#include "sim/pieces/pieces.h"
 #include "sim/pieces/plane_parts.h"
+#include "sim/pieces/split_field.h"
 #include "sim/run/export/export_bundle.h"
 
 namespace kerf {
@@ -64,23 +66,76 @@ struct SideFields {
   BrickField begin, changed;
 };
 
+// The field without crumbs of the planes alone: a session drops them after the cut. Those bricks where it differs.
+class WithoutCrumbs {
+ public:
+  /// @param edits  phi0 as the planes alone leave it.   @cost  as PieceFinder, and nothing more without crumbs.
+  WithoutCrumbs(const BrickField& phi0, std::span<const BrickEdit> edits) : field_(phi0.voxel(), phi0.background()) {
+    PieceFinder finder(phi0);
+    finder.apply(edits);
+    const PieceList& list = finder.find();
+    if (list.crumbs.empty()) return;
+
+    const std::vector<PieceBricks> pieces = bricksOfPieces(finder, list.pieces.size());
+    for (const PieceBricks& piece : pieces)
+      for (const BrickEdit& edit : piece.changed) {
+        BrickValues values = edit.phi;
+        for (const PieceBricks& other : pieces) addPiece(other, edit.brick, finder, values);
+        field_.add(edit.brick, values);
+      }
+  }
+
+  /// What is left of a value after the crumbs are dropped.
+  float valueAt(const Vec3i& brick, std::size_t node, float value) const {
+    const BrickValues* const known = field_.valuesAt(brick);
+    return known ? std::max(value, (*known)[node]) : value;
+  }
+
+ private:
+  // The union with another piece in a brick.
+  static void addPiece(const PieceBricks& piece, const Vec3i& brick, const PieceFinder& finder, BrickValues& values) {
+    const auto isBefore = [](const Vec3i& a, const Vec3i& b) { return coordKey(a) < coordKey(b); };
+    if (!std::binary_search(piece.bricks.begin(), piece.bricks.end(), brick, isBefore)) return;
+    const auto edit = std::find_if(piece.changed.begin(), piece.changed.end(),
+                                   [&](const BrickEdit& other) { return other.brick == brick; });
+    const BrickValues* const whole = finder.field().changed().valuesAt(brick);
+    const BrickValues* const own = edit != piece.changed.end() ? &edit->phi : whole;
+    if (!own) return;
+    for (std::size_t n = 0; n < values.size(); ++n) values[n] = std::min(values[n], (*own)[n]);
+  }
+
+  BrickField field_;
+};
+
 SideFields fieldsOn(const Sides& sides, const BrickField& phi0, const BrickField& changed) {
   const float background = phi0.background();
   SideFields out{phi0, BrickField(phi0.voxel(), background, phi0.interior())};
+  std::vector<BrickEdit> edits(changed.brickCount());
+  for (std::size_t b = 0; b < edits.size(); ++b) {
+    edits[b].brick = changed.brickCoord(b);
+    for (int n = 0; n < kBrickNodes; ++n) {
+      const Vec3i node = edits[b].brick * kBrickSide + Vec3i{n >> 6, n >> 3 & 7, n & 7};
+      edits[b].phi[static_cast<std::size_t>(n)] =
+          planePartValue(phi0.at(node), heightOf(sides, phi0.position(node)), background);
+    }
+  }
+  const WithoutCrumbs without_crumbs(phi0, edits);
+
   for (std::size_t b = 0; b < changed.brickCount(); ++b) {
     const Vec3i coord = changed.brickCoord(b), base = coord * kBrickSide;
     const double half = 0.5 * (kBrickSide - 1) * phi0.voxel();
     const double middle = heightOf(sides, phi0.position(base) + Vec3d::Constant(half));
     if (middle + std::sqrt(3.0) * half < -static_cast<double>(background)) continue;  // beyond: cut away
 
-    BrickValues begin, now;
+    const BrickValues& begin = edits[b].phi;
+    BrickValues now;
     for (int n = 0; n < kBrickNodes; ++n) {
       const auto i = static_cast<std::size_t>(n);
       const Vec3i node = base + Vec3i{n >> 6, n >> 3 & 7, n & 7};
       const Vec3d p = phi0.position(node);
       const double height = heightOf(sides, p);
-      begin[i] = planePartValue(phi0.at(node), height, background);
       now[i] = changed.brick(b)[i];
+      if (now[i] == without_crumbs.valueAt(coord, i, begin[i])) now[i] = begin[i];  // no stroke
       if (height >= 0 || now[i] >= std::min(static_cast<float>(-height), background)) continue;
       // Another piece lies there.
       const Vec3d inside = mirrored(sides, p, height);
