@@ -154,7 +154,7 @@ TEST_F(ExportPlanTest, NothingIsReplacedAtTheFirstWord) {
   EXPECT_NE(refused.error().message().find("an existing file"), std::string::npos) << refused.error().message();
   EXPECT_EQ(fs::file_size(besideScan("bar-cut.stl")), 4u);
   EXPECT_TRUE(plan_.asksToReplace()) << "a button, or Enter, asked for once more";
-  plan_.setName("bar-cut.stl");
+  plan_.setName("bar-cut.stl", plan_.file().parent_path());
   EXPECT_FALSE(plan_.asksToReplace()) << "another name is another question";
   plan_.write();
   EXPECT_TRUE(plan_.asksToReplace());
@@ -219,7 +219,7 @@ TEST_F(ExportPlanTest, AFileThatIsWrittenIsToldWhateverWasChosenMeanwhile) {
   // The same for a changed name.
   plan_.write();
   ASSERT_TRUE(bench_.jobs->running());
-  plan_.setName("other.stl");
+  plan_.setName("other.stl", plan_.file().parent_path());
   ASSERT_TRUE(play("wait\n")) << allNotices();
   EXPECT_TRUE(fs::exists(besideScan("bar-cut-piece-1.stl")));
   EXPECT_NE(allNotices().find("bar-cut-piece-1.stl"), std::string::npos) << allNotices();

@@ -21,6 +21,7 @@ Expected<std::string> sawWordOf(AppWords words, const char* name) {
 }
 
 Expected<void> pick(AppContext& c, SawPicking::What what) {
+  if (what != SawPicking::What::kNothing) KERF_CHECK(c.bench.saw->requireUnmoved());
   c.bench.saw->picking.begin(what);
   return {};
 }

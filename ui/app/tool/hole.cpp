@@ -111,12 +111,19 @@ HoleWalls wallsOf(const Hole& hole, const DrillShape& shape, const LiveScene& sc
 
   const HoleFrame frame(hole.axis);
   const double deepest = std::min(hole.depth, through.value_or(hole.depth)) - kUnderSurface;
-  for (double down = kUnderSurface; down <= std::max(deepest, kUnderSurface); down += kStep)
+  // From below the whole rim: on a slope its lower side is open, and no wall.
+  double rim = 0;
+  for (int n = 0; n < kAroundHole; ++n) {
+    const Vec3d above = hole.entry + 2 * shape.radius * hole.axis + shape.radius * frame.around(n);
+    if (const auto hit = scene.hit({above, -hole.axis})) rim = std::max(rim, hit->on_surface.way - 2 * shape.radius);
+  }
+  const double first = std::max(std::min(std::min(rim, 2 * shape.radius) + kUnderSurface, deepest), kUnderSurface);
+  for (double down = first; down <= std::max(deepest, first); down += kStep)
     for (int n = 0; n < kAroundHole; ++n) {
       const auto way = leavesAt(*object, hole.entry - down * hole.axis, frame.around(n));
       if (!way) continue;
       out.beside = std::min(out.beside.value_or(*way - shape.radius), *way - shape.radius);
-      if (down == kUnderSurface) out.edge = std::min(out.edge.value_or(*way), *way);
+      if (down == first) out.edge = std::min(out.edge.value_or(*way), *way);
     }
   return out;
 }

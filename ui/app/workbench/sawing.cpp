@@ -453,7 +453,7 @@ Expected<void> Sawing::cutAtOnce(PlaneKeep keep, const CutPlanes& planes, const 
   const std::uint64_t refused = bench_.document->report().counts.commands_refused;
   if (!bench_.document->send(CutByPlanes{piece->index, static_cast<std::uint8_t>(keep), planesIn(*piece)}))
     return refuse(Error::Code::kUnsupported, "the 1 kHz thread is busy", "a free place in its queue", "try again");
-  at_once_ = AtOnce{name, bench_.document->sent(), refused};
+  at_once_ = AtOnce{name, bench_.document->sent(), refused, bench_.steps->done()};
   return {};
 }
 
@@ -465,9 +465,20 @@ void Sawing::reportAtOnce() {
                               .found = "all of the piece lies on one side of the plane",
                               .expected = "a plane through it",
                               .hint = "move the plane, or turn it"});
-  else
+  else {
     bench_.notices->say(phrase("{}: cut at once", at_once_->plane));
+    spent_ = Spent{plan_.version(), at_once_->steps_before};
+  }
   at_once_.reset();
+}
+
+bool Sawing::isPlanSpent() const {
+  return spent_ && spent_->version == plan_.version() && bench_.steps->done() > spent_->steps_before;
+}
+
+void Sawing::choosePlane(std::size_t n) {
+  plan_.choose(n);
+  spent_.reset();
 }
 
 bool Sawing::isCutting() const { return cutting_ || bench_.drill->isDrilling(); }
@@ -630,13 +641,22 @@ std::optional<ToolOverSurface> Sawing::over(const Ray& ray) const {
 
 // ---- The open document
 
-void Sawing::opened(Opening /*how*/) {
+void Sawing::opened(Opening how) {
   at_once_.reset();
+  spent_.reset();
   cutting_.reset();
-  plan_.clear();
   covered_ = {};
   die.clear();
-  saved_ = seen_ = plan_.version();
+  if (how == Opening::kReopened) {
+    saved_ = seen_ = 0;  // written again, beside the new session
+  } else {
+    plan_.clear();
+    saved_ = seen_ = plan_.version();
+    std::error_code ignored;
+    const fs::path before = bench_.document->source() / kSawPlanFile;  // of a session that goes on
+    if (bench_.document->isOpen() && fs::is_regular_file(before, ignored))
+      if (const auto read = plan_.load(before); !read) bench_.notices->complain(read.error());
+  }
   last_share_ = 0;
   guide = false;
   picking.begin(SawPicking::What::kNothing);

@@ -93,6 +93,9 @@ class Sawing final : public Part {
   Expected<void> save(const std::filesystem::path& file) const;
   Expected<void> load(const std::filesystem::path& file);
 
+  /// Error kUnsupported: a piece was moved.
+  Expected<void> requireUnmoved() const;
+
   // ---- Sawing a plane
 
   /// Saws the chosen plane now, in real time: places the tool in hand above the bone and leads it along its passes.
@@ -129,6 +132,10 @@ class Sawing final : public Part {
   /// @param name  of the cut, for notices.   @param piece  its id; none: as above.
   Expected<void> cutAtOnce(PlaneKeep keep, const CutPlanes& planes, const std::string& name,
                            std::optional<std::uint32_t> piece = {});
+  /// The planes did their cut at once: the view hides them until one changes, is chosen, or the cut is undone.
+  bool isPlanSpent() const;
+  /// Chooses a plane of the plan, and shows the plan again.
+  void choosePlane(std::size_t n);
 
   // ---- The guide
 
@@ -141,7 +148,7 @@ class Sawing final : public Part {
   /// From the tip of a guided tool to its front, perpendicular to the approach, world, mm.
   Vec3d tipToFront() const;
 
-  void opened(Opening how) override;  ///< no planes yet
+  void opened(Opening how) override;  ///< planes of the session that goes on, else none
   void closing() override;            ///< writes the plan to the session's folder
 
  private:
@@ -149,7 +156,6 @@ class Sawing final : public Part {
   Expected<void> addFitted(SawPlane plane, FitOptions options);
   Expected<SawPlane> chosen() const;
   Expected<void> requireOpen() const;
-  Expected<void> requireUnmoved() const;
   bool isMoved() const;
   Expected<Rigid3> startAbove(const SawPlane& plane, const SawBlade& blade, double u, double v, bool is_turned) const;
   std::string sawsOfTheRack() const;
@@ -162,12 +168,18 @@ class Sawing final : public Part {
   struct AtOnce {
     std::string plane;
     std::uint64_t sent = 0, refused_before = 0;
+    std::size_t steps_before = 0;
+  };
+  struct Spent {
+    std::uint64_t version = 0;  ///< of the plan
+    std::size_t steps_before = 0;
   };
   void reportAtOnce();
 
   Workbench& bench_;
   SawPlan plan_;
   std::optional<AtOnce> at_once_;  ///< sent, not answered yet
+  std::optional<Spent> spent_;
   std::unique_ptr<Cutting> cutting_;
   std::uint64_t cuts_ = 0;
   double last_share_ = 0;

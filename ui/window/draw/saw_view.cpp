@@ -62,9 +62,10 @@ LivePlan SawView::planOf(const Workbench& bench, const Camera& camera) {
     found_ = now;
     is_outdated_ = false;
   }
-  out.slabs = slabs_;
+  const bool is_spent = saw.isPlanSpent();
+  if (!is_spent) out.slabs = slabs_;
 
-  if (saw.die.isPlanned())
+  if (saw.die.isPlanned() && !is_spent)
     if (const auto& pin = saw.die.pin(); pin && *pin) addHole(out, **pin);
 
   // Picked points, in front of everything.

@@ -22,13 +22,21 @@ constexpr float kTallest = 260;
 void update(const std::vector<Notice>& notices, NoticesState& state) {
   const double now = ImGui::GetTime();
   state.seen = std::min(state.seen, notices.size());
-  for (; state.seen < notices.size(); ++state.seen)
+  for (; state.seen < notices.size(); ++state.seen) {
+    std::erase_if(state.shown, [&](const NoticesState::Shown& s) {
+      return notices[s.index].is_error && notices[s.index].text == notices[state.seen].text;
+    });
     state.shown.push_back(
         {state.seen, notices[state.seen].is_error ? std::numeric_limits<double>::infinity() : now + kNoticeSeconds});
+  }
   std::erase_if(state.shown, [now](const NoticesState::Shown& s) { return s.until < now; });
 }
 
 }  // namespace
+
+bool NoticesState::hasError(const std::vector<Notice>& notices) const {
+  return std::any_of(shown.begin(), shown.end(), [&](const Shown& s) { return notices[s.index].is_error; });
+}
 
 NoticePlace noticePlace(const FrameArea& free, bool hangs, float scale) {
   NoticePlace out;

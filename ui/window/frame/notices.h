@@ -29,10 +29,11 @@ struct NoticesState {
   };
   std::vector<Shown> shown;
   std::size_t seen = 0;  ///< number of notices at the last draw
+  bool hasError(const std::vector<Notice>& notices) const;
 };
 inline constexpr double kNoticeSeconds = 8;
 
-/// Draws the last three. OK dismisses all.
+/// Draws the last three. OK dismisses all. An error said again is shown once.
 void drawNotices(AppContext& context, NoticesState& state);
 
 }  // namespace kerf

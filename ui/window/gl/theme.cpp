@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <string>
 
+#include "ui/app/base/language.h"
+
 namespace kerf {
 namespace {
 
@@ -11,7 +13,7 @@ float scale_now = 1;
 
 bool buttonWithKey(const ui::Words& label, const ui::Words& key, float width) {
   std::string text = label.label();
-  if (const std::string shown = key.shown(); !shown.empty())
+  if (const std::string shown = shownKey(key.shown()); !shown.empty())
     text.insert(std::min(text.find("###"), text.size()), "   " + shown);
   return ui::button(ui::asItIs(text), {width, scaled(34)});
 }

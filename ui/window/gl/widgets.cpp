@@ -161,6 +161,11 @@ bool closeTopmostPopup() {
   return true;
 }
 
+bool canUndoTyping() {
+  const ImGuiContext& now = *ImGui::GetCurrentContext();
+  return now.ActiveId != 0 && now.ActiveId == now.InputTextState.ID && now.InputTextState.GetUndoAvailCount() > 0;
+}
+
 void openPopup(const Words& title) { ImGui::OpenPopup(title.label().c_str()); }
 bool isPopupOpen(const Words& title) { return ImGui::IsPopupOpen(title.label().c_str()); }
 bool beginPopup(const Words& title) { return ImGui::BeginPopup(title.label().c_str()); }

@@ -86,6 +86,8 @@ bool beginMenu(const Words& label);
 bool menuItem(const Words& label, const Words& key = "", bool is_enabled = true);
 /// Of menus, lists and menus at the cursor; a question keeps its keys.   @return  false: none is open.
 bool closeTopmostPopup();
+/// The text field in use can take its typing back.
+bool canUndoTyping();
 void openPopup(const Words& title);
 bool isPopupOpen(const Words& title);
 bool beginPopup(const Words& title);

@@ -186,7 +186,7 @@ class Workshop {
     view_->update(bench_);
     printNotices();
     if (ImGui::GetFrameCount() > 0) context_.margins = marginsOf(context_, pixels());
-    if (!bench_.document->scene().bounds().isEmpty() && view_->takeFitWanted()) fitFirst();
+    fitUntilUsed();
     if (bench_.document->isShown() && !bench_.document->scene().bounds().isEmpty())
       recent_picture_.updateBox(*bench_.document);
     updateImport();
@@ -293,6 +293,20 @@ class Workshop {
 
   static double secondsSince(Clock::time_point then) {
     return std::chrono::duration<double>(Clock::now() - then).count();
+  }
+
+  // Pieces of a session arrive one after the other: fits again until the user does something.
+  void fitUntilUsed() {
+    const Box3 box = bench_.document->scene().bounds();
+    if (box.isEmpty()) return;
+    if (view_->takeFitWanted()) {
+      fitted_at_ = Clock::now();
+    } else if (last_input_ > fitted_at_ || (box.min == fitted_.min && box.max == fitted_.max) ||
+               !bench_.document->isOpen()) {
+      return;
+    }
+    fitted_ = box;
+    fitFirst();
   }
 
   void fitFirst() {
@@ -406,7 +420,7 @@ class Workshop {
                        pad,  game_controller_.name(),  game_controller_.isJoystick(), game_controller_.canShake()};
   }
 
-  // During text input only closing the window is a command.
+  // During text input only closing the window and Ctrl with a letter that no field uses are commands.
   void key(const InputEvent& e, bool is_text) {
     if (!e.is_down) return keyUp(e.key);
     if (takesForceAway(e)) return;
@@ -414,7 +428,7 @@ class Workshop {
     if (files_.takesKeys() && (e.key == GLFW_KEY_ENTER || e.key == GLFW_KEY_KP_ENTER)) return files_.accept();
     if (files_.takesKeys() && e.key == GLFW_KEY_ESCAPE) return files_.cancel();
     const bool is_enter = e.key == GLFW_KEY_ENTER || e.key == GLFW_KEY_KP_ENTER;
-    if (e.key == GLFW_KEY_ESCAPE && (ui::closeTopmostPopup() || closeDebrief(context_))) return;
+    if (e.key == GLFW_KEY_ESCAPE && (ui::closeTopmostPopup() || closeDebrief(context_) || dismissErrors())) return;
     if (is_enter || e.key == GLFW_KEY_ESCAPE)
       if (quitQuestionKey(context_, is_enter) || exportPanelKey(context_, is_enter)) return;
     for (const char* const panel : {"keys", "messages", "about", "settings", "sessions"})
@@ -424,11 +438,14 @@ class Workshop {
       }
     const bool is_alt = e.key == GLFW_KEY_LEFT_ALT || e.key == GLFW_KEY_RIGHT_ALT;
     if (is_alt && !e.is_repeated) return stroke_.tapAlt(context_, e.s);
-    if (!is_text && leadsStroke(e)) return;
     const int modifiers = e.modifiers & (GLFW_MOD_CONTROL | GLFW_MOD_SHIFT | GLFW_MOD_ALT);
+    // A name typed beside its field runs no commands.
+    const bool is_letter = e.key < GLFW_KEY_ESCAPE && (modifiers & ~GLFW_MOD_SHIFT) == 0;
+    if (is_letter && !is_text && bench_.exporting->isShown() && !bench_.exporting->isDone()) return;
+    if (!is_text && leadsStroke(e)) return;
     for (const AppCommand& command : appCommands()) {
       if (command.key.empty() || keyChord(command.key) != KeyChord{e.key, modifiers}) continue;
-      if (is_text && command.id != "app.quit") return;
+      if (is_text && command.id != "app.quit" && !passesText(e.key, modifiers)) return;
       if (!command.is_enabled(context_)) continue;  // Esc runs its first enabled command
       if (asksForFile(command))
         askForFile(command);
@@ -437,6 +454,19 @@ class Workshop {
       if (std::exchange(context_.wants_palette, false)) palette_.show();  // it gets the next characters
       return;
     }
+  }
+
+  bool dismissErrors() {
+    if (!panels_.notices.hasError(bench_.notices->list())) return false;
+    panels_.notices.shown.clear();
+    return true;
+  }
+
+  // Ctrl with a letter that no text field uses. Ctrl+Z belongs to the field only after typing there.
+  static bool passesText(int key, int modifiers) {
+    if (!(modifiers & GLFW_MOD_CONTROL) || key < GLFW_KEY_A || key > GLFW_KEY_Z) return false;
+    if (key == GLFW_KEY_Z) return !ui::canUndoTyping();
+    return key != GLFW_KEY_A && key != GLFW_KEY_C && key != GLFW_KEY_V && key != GLFW_KEY_X && key != GLFW_KEY_Y;
   }
 
   // Works whichever control has the keys.
@@ -647,7 +677,9 @@ class Workshop {
   bool is_led_by_device_ = false;  // the mouse has not moved since
   std::optional<ToolOverSurface> over_;
   Clock::time_point last_input_ = Clock::now();
-  double x_ = 0, y_ = 0;  // of the pointer, window units
+  Clock::time_point fitted_at_{};  ///< the first view of the document
+  Box3 fitted_;                    ///< then
+  double x_ = 0, y_ = 0;           // of the pointer, window units
   int window_width_ = 1, window_height_ = 1;
   int held_ = kNone;
   std::optional<Pixel> right_pressed_;  // place of the right button's press

@@ -44,8 +44,9 @@ void setHoleText(std::array<char, kSize>& text, const std::string& value) {
   value.copy(text.data(), kSize - 1);
 }
 
-// @return  true when the text is to be taken.
+// @return  true when the text is to be taken: entered, or left with another text than it was entered with.
 bool holeField(const char* name, std::array<char, 48>& text, float width) {
+  static std::array<char, 48> before{};  // of the active field
   ImGui::AlignTextToFramePadding();
   ui::textColored(styleColours().quiet, name);
   ui::sameLineAt(scaled(kHoleValueAt));
@@ -55,7 +56,8 @@ bool holeField(const char* name, std::array<char, 48>& text, float width) {
                                         ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll);
   ImGui::PopItemWidth();
   ImGui::PopID();
-  return is_entered || ImGui::IsItemDeactivatedAfterEdit();
+  if (ImGui::IsItemActivated()) before = text;
+  return is_entered || (ImGui::IsItemDeactivatedAfterEdit() && text != before);
 }
 
 void drawHolePlace(AppContext& context, DrillPanelState& state, const std::optional<HoleReadout>& readout) {
@@ -76,7 +78,10 @@ void drawHolePlace(AppContext& context, DrillPanelState& state, const std::optio
   if (!is_taken) return;
   state.is_typed = true;
   state.shown.reset();
-  runIfEnabled(context, "drill.at", numbersOf(state.place.data()));
+  if (const auto done = runAppCommand(context, "drill.at", numbersOf(state.place.data())); !done) {
+    context.bench.notices->complain(done.error());
+    state.focus_in = 1;  // to be corrected
+  }
   if (hole) state.shown = hole->entry;  // the text stays as typed
 }
 

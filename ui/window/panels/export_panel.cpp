@@ -56,7 +56,14 @@ void drawWhere(ExportPlan& plan, const std::function<void(const AppCommand&)>& a
   std::array<char, 256> name{};
   plan.file().filename().string().copy(name.data(), name.size() - 1);
   ImGui::SetNextItemWidth(-scaled(110));
-  if (ui::inputText("##name", name.data(), name.size())) plan.setName(name.data());
+  if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
+  static std::filesystem::path folder;  // of the name while it is typed: a whole path may stand there
+  const bool is_typed = ui::inputText("##name", name.data(), name.size(), ImGuiInputTextFlags_AutoSelectAll);
+  if (ImGui::IsItemActivated()) folder = plan.file().parent_path();
+  if (is_typed) plan.setName(name.data(), folder);
+  if (plan.isDone() && ImGui::IsItemActive() && !ImGui::IsItemActivated())
+    ImGui::SetWindowFocus(nullptr);  // keys again
+  if (ImGui::IsItemHovered()) ui::setTooltip("A name, or a whole path");
   ImGui::SameLine();
   if (ui::button("Choose...", {-1, 0})) ask_for_file(*findAppCommand("export.to"));
   ImGui::PushTextWrapPos(0);
@@ -159,10 +166,10 @@ void drawExportPanel(AppContext& context, const std::function<void(const AppComm
 bool exportPanelKey(AppContext& context, bool is_enter) {
   ExportPlan& plan = *context.bench.exporting;
   if (!plan.isShown()) return false;
-  if (!is_enter)
-    plan.hide();
-  else if (!plan.isDone())
+  if (is_enter && !plan.isDone())
     plan.write();
+  else
+    plan.hide();
   return true;
 }
 

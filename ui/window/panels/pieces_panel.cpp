@@ -63,7 +63,7 @@ void drawMove(AppContext& context, const SceneObject& piece) {
   Rigid3 pose = piece.pose();
   std::array<float, 3> mm{};
   for (int axis = 0; axis < 3; ++axis) mm[static_cast<std::size_t>(axis)] = static_cast<float>(pose.translation[axis]);
-  ui::text("Moved by, mm");
+  ui::text("Moved by x, y, z, mm");
   ImGui::PushItemWidth(-1);
   const bool is_changed = ui::inputFloat3("##mm", mm.data(), "%.2f", ImGuiInputTextFlags_EnterReturnsTrue);
   ImGui::PopItemWidth();

@@ -64,7 +64,7 @@ void drawProgress(AppContext& context, const SawingStatus& status) {
     runSaw(context, "saw.stop");
 }
 
-void drawWaysOfPlanning(AppContext& context) {
+void drawWaysOfPlanning(AppContext& context, SawPanelState& state) {
   const float width = (ImGui::GetContentRegionAvail().x - 2 * ImGui::GetStyle().ItemSpacing.x) / 3;
   static constexpr std::array<std::array<const char*, 3>, 3> kWays = {
       {{"Line", "saw.pick-line", "Draw a line across the bone (L)"},
@@ -75,6 +75,15 @@ void drawWaysOfPlanning(AppContext& context) {
     if (ui::button(kWays[n][0], {width, 0})) runSaw(context, kWays[n][1]);
     if (ImGui::IsItemHovered()) ui::setTooltip(kWays[n][2]);
   }
+
+  ImGui::PushItemWidth(width);
+  ui::inputFloat("##undercusps", &state.above_cusps, "%.1f mm");
+  ImGui::PopItemWidth();
+  if (ImGui::IsItemHovered()) ui::setTooltip("Height over the cusps: negative is below");
+  ImGui::SameLine();
+  if (ui::button("Under the cusps", {-1, 0}))
+    runSaw(context, "saw.plane-occlusal", wordsOf({static_cast<double>(state.above_cusps)}));
+  if (ImGui::IsItemHovered()) ui::setTooltip("Parallel to the occlusal plane: trims a base");
 }
 
 void drawPlanes(AppContext& context, SawPanelState& state) {
@@ -83,7 +92,7 @@ void drawPlanes(AppContext& context, SawPanelState& state) {
   for (std::size_t n = 0; n < plan.planes().size(); ++n) {
     const SawPlane& plane = plan.planes()[n];
     const std::string label = fmt::format("{}###plane{}", plane.name, n);
-    if (ui::selectable(ui::asItIs(label), n == plan.chosenIndex())) saw.plan().choose(n);
+    if (ui::selectable(ui::asItIs(label), n == plan.chosenIndex())) saw.choosePlane(n);
   }
 
   if (plan.version() != state.version) {
@@ -111,6 +120,7 @@ void drawSteppers(AppContext& context) {
   stepper(context, "Approach", "by 5 degrees", "saw.approach", 5 * kStepDegrees);
   stepper(context, "Width", fmt::format("{:.1f} mm", plane.width), "saw.width", 5 * kStepMm, plane.width);
   stepper(context, "Depth", fmt::format("{:.1f} mm", plane.depth), "saw.depth", 5 * kStepMm, plane.depth);
+  if (ui::button("Fit to bone and blade", {-1, 0})) runSaw(context, "saw.fit");
 }
 
 void drawClearance(AppContext& context) {
@@ -143,7 +153,11 @@ void drawCoverage(AppContext& context) {
 
 void drawCut(AppContext& context) {
   Sawing& saw = *context.bench.saw;
-  drawCoverage(context);
+  ui::text("Saw it in real time");
+  if (!SawBlade::of(context.bench.tools->at(context.bench.tools->inHand())))
+    ui::textColored(styleColours().quiet, "Choose a saw in the list first");
+  else
+    drawCoverage(context);
   drawClearance(context);
   bool is_guided = saw.guide;
   if (ui::checkbox("Guide blade by mouse", &is_guided)) runSaw(context, "saw.guide", {is_guided ? "on" : "off"});
@@ -192,17 +206,14 @@ void drawPickingHint(const AppContext& context) {
   ImGui::End();
 }
 
-bool isSawPanelNeeded(const AppContext& context) {
-  const Workbench& bench = context.bench;
-  return bench.saw->plan().chosen() || SawBlade::of(bench.tools->at(bench.tools->inHand()));
-}
+bool isSawPanelNeeded(const AppContext& context) { return context.bench.document->isOpen(); }
 
 void drawSawPanel(AppContext& context, SawPanelState& state) {
   const Sawing& saw = *context.bench.saw;
   if (const auto status = saw.status()) return drawProgress(context, *status);
   const bool has_planes = saw.plan().chosen() != nullptr;
   if (!has_planes) ui::textColored(styleColours().quiet, "Plan a cut from");
-  drawWaysOfPlanning(context);
+  drawWaysOfPlanning(context, state);
   drawDie(context);
   if (has_planes) {
     ImGui::Separator();

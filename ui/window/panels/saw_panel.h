@@ -13,9 +13,10 @@ namespace kerf {
 struct SawPanelState {
   std::string name;           ///< name of the chosen plane, during input
   std::uint64_t version = 0;  ///< version of the plan behind `name`
+  float above_cusps = -12;    ///< of the next plane under the cusps, mm
 };
 
-/// With a plane, or with a saw in hand.
+/// With an open object.
 bool isSawPanelNeeded(const AppContext& context);
 /// Runs commands; errors become notices.
 void drawSawPanel(AppContext& context, SawPanelState& state);
