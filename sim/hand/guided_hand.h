@@ -86,7 +86,7 @@ class GuidedHand final : public DeviceSource {
   void write(const DeviceForce& force) noexcept override;
   void placed(const Rigid3& T_world_tool) noexcept override;
   void disarm() noexcept override { free_.disarm(); }
-  bool isAtRest() const noexcept override { return !is_mine_ && free_.isAtRest(); }
+  bool isAtRest() const noexcept override { return is_mine_ ? now_.stage == GuidedStage::kOver : free_.isAtRest(); }
 
  private:
   void takeNewest() noexcept;

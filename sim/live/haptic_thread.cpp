@@ -98,6 +98,7 @@ struct HapticThread::State {
   }
   ~State() {
     for (Offer& offer : offers) delete offer.pool.load();
+    rooms.consume_all([](Split* room) { delete room; });
   }
 
   // Haptic thread. No tick after a pause: the schedule restarts.
@@ -108,6 +109,7 @@ struct HapticThread::State {
   bool waitForBricks() noexcept;   // true: there was a pause
   bool handleCommands() noexcept;  // true: there was a pause
   bool undoOrRedo(const Command& command) noexcept;
+  bool deleteObjects(const DeleteObjects& command) noexcept;
   void tick(bool is_stalled) noexcept;
   bool mayRest() noexcept;
   void rest() noexcept;
@@ -149,6 +151,7 @@ struct HapticThread::State {
   TripleBuffer<HapticReport> reports;
   TripleBuffer<HapticTimes> newest_times;
   boost::lockfree::spsc_queue<Command, boost::lockfree::capacity<kMostCommands>> commands;
+  boost::lockfree::spsc_queue<Split*, boost::lockfree::capacity<kMostCommands>> rooms;  // for deletions, before them
   // For the object of that number: made by the keeper, taken by the haptic thread.
   struct Offer {
     std::atomic<std::size_t> wanted{0};  // bricks; 0: no such object
@@ -234,6 +237,9 @@ bool HapticThread::State::handleCommands() noexcept {
       has_paused |= is_done;
     } else if (const auto* const cut = std::get_if<CutByPlanes>(&next)) {
       if (maker && maker->order(session, *cut)) break;  // the others wait for it
+    } else if (const auto* const deletion = std::get_if<DeleteObjects>(&next)) {
+      is_done = deleteObjects(*deletion);
+      has_paused |= is_done;
     } else if (rowOf(next).maySend(CommandSender::kUser)) {
       is_done = session.applyWithin(next);
       if (is_done && std::holds_alternative<PlaceTool>(next)) device->placed(session.state().body.pose);
@@ -254,6 +260,17 @@ bool HapticThread::State::undoOrRedo(const Command& command) noexcept {
       sleepUntil(monotonicNow() + kPeriod);
       takePools();
     }
+  });
+  return true;
+}
+
+bool HapticThread::State::deleteObjects(const DeleteObjects& command) noexcept {
+  Split* room = nullptr;
+  if (!session.hasRoom() && rooms.pop(room)) session.offerRoom(std::unique_ptr<Split>(room));
+  if (!session.hasRoom() || !session.canDelete(command)) return false;
+  pauseFor([&] {
+    session.applyWithin(command);
+    tellKeeper();
   });
   return true;
 }
@@ -489,6 +506,8 @@ void HapticThread::heatBy(std::size_t tool, const ToolSamples& samples, const He
 }
 
 bool HapticThread::send(const Command& command) noexcept {
+  if (std::holds_alternative<DeleteObjects>(command))
+    if (auto room = prepareDeletion(); state_->rooms.push(room.get())) static_cast<void>(room.release());
   if (!state_->commands.push(command)) return false;
   state_->wake.wake();
   return true;

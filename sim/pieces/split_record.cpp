@@ -20,4 +20,10 @@ std::unique_ptr<Split> prepareSplit(std::vector<CutObject> parts) {
   return out;
 }
 
+std::unique_ptr<Split> prepareDeletion() {
+  auto out = std::make_unique<Split>();
+  out->out_of_scene.reserve(kMostObjects);
+  return out;
+}
+
 }  // namespace kerf

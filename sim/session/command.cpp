@@ -86,6 +86,8 @@ constexpr std::tuple kRows{
             {"kerf nx ny nz x y z ... [hole d l ax ay az x y z]", "mm",
              "width lost along the planes; unit normal and point of up to 5 planes; diameter, depth, axis (unit, into "
              "the material) and mouth of a round hole; in the frame of the object as loaded"}}),
+    row("object.delete", "Removes pieces of an object from the scene; one undo step. The last piece stays.", kUser,
+        Field{&DeleteObjects::objects, {"N ...", "", "numbers of the objects, from 0 to 63"}}),
 };
 
 constexpr std::size_t kCount = std::variant_size_v<Command>;
@@ -189,7 +191,27 @@ struct PlanesText {
   }
 };
 
+// Takes all words that are left.
+struct ObjectsText {
+  static void print(std::string& to, const ObjectSet& objects) {
+    for (std::size_t n = 0; n < ObjectSet::kMost; ++n)
+      if (objects.has(n)) Text<std::size_t>::print(to, n);
+  }
+  static bool take(Words& from, ObjectSet& objects) {
+    objects = {};
+    while (!from.empty()) {
+      std::size_t n = 0;
+      Words rest = from;
+      if (!Text<std::size_t>::take(rest, n) || n >= ObjectSet::kMost) return false;
+      objects.bits |= std::uint64_t{1} << n;
+      from = rest;
+    }
+    return objects.bits != 0;
+  }
+};
+
 inline PlanesText textOf(const CutPlanes&) { return {}; }
+inline ObjectsText textOf(const ObjectSet&) { return {}; }
 template <class T>
 Text<T> textOf(const T&);
 template <class T>

@@ -69,6 +69,17 @@ struct CutByPlanes {
   CutPlanes planes;       ///< in the frame of the object as loaded
   bool operator==(const CutByPlanes&) const = default;
 };
+/// Objects by number, at least one.
+struct ObjectSet {
+  static constexpr std::size_t kMost = 64;
+  std::uint64_t bits = 0;  ///< objectBit() of each, or-ed
+  bool has(std::size_t object) const noexcept { return object < kMost && (bits >> object & 1) != 0; }
+  bool operator==(const ObjectSet&) const = default;
+};
+struct DeleteObjects {
+  ObjectSet objects;  ///< pieces of one loaded object, not all of them
+  bool operator==(const DeleteObjects&) const = default;
+};
 struct PlaceTool {
   std::array<double, 3> translation{};         ///< of T_world_tool: x y z, mm, shorter than 1e5
   std::array<double, 4> rotation{1, 0, 0, 0};  ///< of T_world_tool: unit quaternion w x y z
@@ -76,7 +87,7 @@ struct PlaceTool {
 };
 
 using Command = std::variant<SelectTool, Undo, Redo, ClearLatch, AddMaterial, StopAdding, MoveObject, FreezeObject,
-                             UnfreezeObject, SplitObject, PlaceTool, CutByPlanes>;
+                             UnfreezeObject, SplitObject, PlaceTool, CutByPlanes, DeleteObjects>;
 static_assert(std::is_trivially_copyable_v<Command>, "a command crosses queues without allocation");
 
 /// Senders of a command while a HapticThread runs the session. Session::apply() itself takes every command, so a log or

@@ -1,6 +1,7 @@
 #include "sim/session/session.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "sim/pieces/plane_parts.h"
@@ -89,10 +90,20 @@ bool Session::apply(const Command& command) {
 }
 
 bool Session::applyWithin(const Command& command) {
+  const std::size_t count = state_.objects.size();
+  const std::uint32_t adds_to = state_.adds_to < count ? state_.objects[state_.adds_to].id : state_.next_id;
   if (!std::visit([this](const auto& c) { return perform(c); }, command)) return false;
 
-  // The object for added material may be gone: rather none than another one.
-  if (state_.adds_to >= state_.objects.size()) {
+  // The object for added material may have another number now, or be gone: rather none than another one.
+  bool is_gone = state_.adds_to >= state_.objects.size();
+  const bool is_undo = std::holds_alternative<Undo>(command);
+  if (is_undo || std::holds_alternative<Redo>(command) || std::holds_alternative<DeleteObjects>(command)) {
+    const auto& all = state_.objects;
+    const auto at = std::find_if(all.begin(), all.end(), [&](const CutObject& object) { return object.id == adds_to; });
+    if (at != all.end()) state_.adds_to = static_cast<std::size_t>(at - all.begin());
+    is_gone = at == all.end() && (is_gone || (!is_undo && all.size() < count));
+  }
+  if (is_gone) {
     state_.adds = Material::kNone;
     state_.adds_to = 0;
   }
@@ -195,6 +206,30 @@ bool Session::perform(const CutByPlanes& command) {
   const auto made =
       makePlaneParts(whole, command.planes, static_cast<PlaneKeep>(command.keep), state_.next_id, state_.next_id);
   return made && put(*made);
+}
+
+bool Session::canDelete(const DeleteObjects& command) const noexcept {
+  const std::vector<CutObject>& objects = state_.objects;
+  const std::uint64_t which = command.objects.bits;
+  if (hasFrozen() || which == 0 || static_cast<std::size_t>(std::bit_width(which)) > objects.size()) return false;
+  const BakedObject& loaded = objects[static_cast<std::size_t>(std::countr_zero(which))].baked();
+  bool stays = false;
+  for (std::size_t n = 0; n < objects.size(); ++n) {
+    const bool is_same = &objects[n].baked() == &loaded;
+    if (command.objects.has(n) && !is_same) return false;
+    stays |= !command.objects.has(n) && is_same;
+  }
+  return stays;
+}
+
+bool Session::perform(const DeleteObjects& command) {
+  static_assert(kMostObjects <= ObjectSet::kMost);
+  if (!canDelete(command)) return false;
+  closeStep();  // an undo step of its own
+  watches_.clear();
+  history_.erase(state_.objects, command.objects.bits, room_ ? std::move(room_) : prepareDeletion());
+  state_.forgetTurns();
+  return true;
 }
 
 bool Session::canUndo() const noexcept {

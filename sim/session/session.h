@@ -67,11 +67,16 @@ class Session {
   /// @rt  as kerf::step(), and about 20 µs for the checks.
   void step(const DeviceSample& sample, StepOutput& output) noexcept;
   /// apply() within the bricks that are free; call repair() afterwards. Neither allocates nor prints.
-  /// @rt  but Undo and Redo take some µs a brick; SplitObject and CutByPlanes allocate unless their pieces were
-  /// offered.
+  /// @rt  but Undo, Redo and DeleteObjects take some µs a brick; SplitObject and CutByPlanes allocate unless their
+  /// pieces were offered, DeleteObjects unless its room was.
   bool applyWithin(const Command& command);
   /// Updates the shells after undo or redo. False: an object needs free bricks first; then call again. No allocation.
   bool repair() noexcept;
+  /// Memory for the next DeleteObjects, of prepareDeletion(); kept until one takes it. @rt
+  void offerRoom(std::unique_ptr<Split> room) noexcept { room_ = std::move(room); }
+  bool hasRoom() const noexcept { return room_ != nullptr; }
+  /// Whether the command has a target now. @rt
+  bool canDelete(const DeleteObjects& command) const noexcept;
   /// Pieces for the next SplitObject or CutByPlanes of this object. They were made while the object was frozen, and the
   /// object has not changed since. @rt
   void offer(std::size_t object, std::unique_ptr<ObjectPieces> made) noexcept;
@@ -147,6 +152,7 @@ class Session {
   bool perform(const SplitObject& command);
   bool perform(const PlaceTool& command) noexcept;
   bool perform(const CutByPlanes& command);
+  bool perform(const DeleteObjects& command);
 
   bool hasFrozen() const noexcept;
   StepOrigin now() const noexcept { return {state_.tick, state_.tool}; }
@@ -182,6 +188,7 @@ class Session {
   int ticks_cut_ = 0;
   std::size_t offered_to_ = 0;
   std::unique_ptr<ObjectPieces> offered_;
+  std::unique_ptr<Split> room_;
   Crumbs crumbs_;
 };
 

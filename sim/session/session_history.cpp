@@ -1,7 +1,9 @@
 #include "sim/session/session_history.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
+#include <numeric>
 
 namespace kerf {
 namespace {
@@ -22,7 +24,10 @@ void addTo(UndoStep& step, const UndoStep& part) noexcept {
   if (part.kind != UndoStep::Kind::kMove && step.kind != UndoStep::Kind::kPlaneCut) step.kind = part.kind;
   step.removed_mm3 += part.removed_mm3;
   step.added_mm3 += part.added_mm3;
+  step.deleted += part.deleted;
 }
+
+bool has(std::uint64_t which, std::size_t object) noexcept { return (which >> object & 1) != 0; }
 
 }  // namespace
 
@@ -42,19 +47,24 @@ bool SessionHistory::hasChanges(const std::vector<CutObject>& objects) const noe
 }
 
 void SessionHistory::forgetRedo(std::vector<CutObject>& objects) noexcept {
-  // After an undone split other objects had these numbers: drops their records too.
-  const std::size_t known = objects.size();
-  std::size_t split_at = objects.size();
-  bool is_split = false;
+  // After an undone split or deletion other objects had these numbers. The records of parts go with them.
+  constexpr std::size_t kPart = kMostObjects;
+  std::array<std::size_t, kMostObjects> now;  // the present number of each
+  std::iota(now.begin(), now.end(), std::size_t{0});
+  std::size_t count = objects.size();
   for (std::size_t n = done_; n < steps_.size(); ++n) {
-    if (steps_[n].split) {
-      is_split = true;
-      split_at = std::min(split_at, steps_[n].split->index);
+    if (const Split* const split = steps_[n].split.get(); split && split->deleted != 0) {
+      std::size_t kept = 0;
+      for (std::size_t k = 0; k < count; ++k)
+        if (!has(split->deleted, k)) now[kept++] = now[k];
+      count = kept;
+    } else if (split) {
+      now[split->index] = kPart;
+      for (std::size_t k = 1; k < split->parts; ++k) now[count++] = kPart;
     }
     while (!steps_[n].records.isEmpty()) {
       StrokeRecord* const record = steps_[n].records.popFront();
-      if (!is_split || (record->object < known && record->object < split_at))
-        objects[record->object].memory().release(record);
+      if (now[record->object] != kPart) objects[now[record->object]].memory().release(record);
     }
   }
 
@@ -142,6 +152,63 @@ void SessionHistory::split(std::vector<CutObject>& objects, std::size_t index, s
   is_open_ = true;
 }
 
+void SessionHistory::erase(std::vector<CutObject>& objects, std::uint64_t which, std::unique_ptr<Split> room) noexcept {
+  assert(room && room->out_of_scene.empty() && room->out_of_scene.capacity() >= objects.size());
+  Step& step = addStep(objects, false);
+  step.what.kind = UndoStep::Kind::kDelete;
+  room->deleted = which;
+
+  // As loaded: material added to them was never a part of the object.
+  std::array<double, 256>& before = room->heir_before;
+  for (std::size_t n = 0; n < objects.size(); ++n) {
+    const CutObject& object = objects[n];
+    if (!has(which, n)) continue;
+    ++step.what.deleted;
+    const std::array<double, 256> left = object.bricks().countVolumes();
+    for (std::size_t m = 0; m < left.size(); ++m) {
+      step.what.removed_mm3 += left[m];
+      before[m] += object.removed_before_mm3[m] + object.removed_mm3[m] + std::max(left[m] - object.added_mm3[m], 0.0);
+    }
+    room->heir = n;
+  }
+  const BakedObject* const loaded = &objects[room->heir].baked();
+  room->heir = 0;
+  while (has(which, room->heir) || &objects[room->heir].baked() != loaded) ++room->heir;
+  for (std::size_t m = 0; m < before.size(); ++m) before[m] += objects[room->heir].removed_before_mm3[m];
+
+  room->lost_mm3 = step.what.removed_mm3;
+  step.split = std::move(room);
+  swapDeleted(objects, *step.split, false);
+}
+
+void SessionHistory::swapDeleted(std::vector<CutObject>& objects, Split& split, bool is_undo) noexcept {
+  if (is_undo) {
+    auto part = split.out_of_scene.begin();
+    for (std::size_t n = 0; part != split.out_of_scene.end(); ++n) {
+      if (!has(split.deleted, n)) continue;
+      objects.insert(objects.begin() + static_cast<std::ptrdiff_t>(n), std::move(part->object));
+      now_.insert(now_.begin() + static_cast<std::ptrdiff_t>(n), std::move(part->tracked));
+      ++part;
+    }
+    split.out_of_scene.clear();
+  }
+  std::swap(objects[split.heir].removed_before_mm3, split.heir_before);
+  if (!is_undo) {
+    std::size_t kept = 0;
+    for (std::size_t n = 0; n < objects.size(); ++n) {
+      if (has(split.deleted, n)) {
+        split.out_of_scene.push_back({std::move(objects[n]), std::move(now_[n])});
+      } else if (kept++ != n) {
+        objects[kept - 1] = std::move(objects[n]);
+        now_[kept - 1] = std::move(now_[n]);
+      }
+    }
+    objects.erase(objects.begin() + static_cast<std::ptrdiff_t>(kept), objects.end());
+    now_.resize(kept);
+  }
+  for (CutObject& object : objects) object.wake();
+}
+
 void SessionHistory::swapSplit(std::vector<CutObject>& objects, Split& split, bool is_undo) noexcept {
   // Out of the scene: the whole, or for an undo all its parts.
   std::vector<Split::Part>& out = split.for_exchange;  // reserved, as objects and now_ are
@@ -167,7 +234,10 @@ void SessionHistory::swapSplit(std::vector<CutObject>& objects, Split& split, bo
 }
 
 void SessionHistory::apply(std::vector<CutObject>& objects, Step& step, bool is_undo) noexcept {
-  if (step.split) swapSplit(objects, *step.split, is_undo);
+  if (step.split && step.split->deleted != 0)
+    swapDeleted(objects, *step.split, is_undo);
+  else if (step.split)
+    swapSplit(objects, *step.split, is_undo);
   for (const StrokeRecord* record = step.records.first; record; record = record->next) {
     CutObject& object = objects[record->object];
     object.swapStroke(record->bricks, is_undo);

@@ -22,13 +22,14 @@ struct StepOrigin {
   bool operator==(const StepOrigin&) const = default;
 };
 
-/// One undo step: a stroke with its splits, a plane cut, or the move of an object.
+/// One undo step: a stroke with its splits, a plane cut, the move of an object, or a deletion.
 struct UndoStep {
-  enum class Kind : std::uint8_t { kStroke, kMove, kPlaneCut };
+  enum class Kind : std::uint8_t { kStroke, kMove, kPlaneCut, kDelete };
   std::uint64_t number = 0;  ///< 1 is the first of the session; numbers increase and never repeat
   StepOrigin origin;
   Kind kind = Kind::kMove;
   double removed_mm3 = 0, added_mm3 = 0;
+  std::size_t deleted = 0;  ///< objects
   bool operator==(const UndoStep&) const = default;
 };
 
@@ -57,6 +58,9 @@ class SessionHistory {
   /// with the one marked before it, unless close() lies between. @pre everything is marked; not more than kMostObjects
   /// result. @rt
   void split(std::vector<CutObject>& objects, std::size_t index, std::unique_ptr<Split> split) noexcept;
+  /// Removes objects from the scene. A step of its own. @pre everything is marked, and close() was called; another
+  /// piece of their loaded object stays. @param room  of prepareDeletion(). @rt but for the volumes: 1 us a brick.
+  void erase(std::vector<CutObject>& objects, std::uint64_t which, std::unique_ptr<Split> room) noexcept;
   /// Splits beyond undo and redo, for destruction by another thread. @rt
   std::unique_ptr<Split> takeForgotten() noexcept { return std::move(forgotten_); }
   /// Starts a new stroke with the next change. Changes after a split and before this call belong to the stroke before.
@@ -102,6 +106,7 @@ class SessionHistory {
   UndoStep changesOf(const std::vector<CutObject>& objects) const noexcept;
   void apply(std::vector<CutObject>& objects, Step& step, bool is_undo) noexcept;
   void swapSplit(std::vector<CutObject>& objects, Split& split, bool is_undo) noexcept;
+  void swapDeleted(std::vector<CutObject>& objects, Split& split, bool is_undo) noexcept;
 
   std::vector<TrackedState> now_;  // one an object
   std::vector<Step> steps_;

@@ -57,10 +57,11 @@ LogMoment behindSample(const SessionLog& log, std::size_t sample) {
   return {sample, static_cast<std::size_t>(end - log.events.begin())};
 }
 
-// A step is a stroke or a move. SessionHistory names its beginning by the same tick as the log.
+// A step is a stroke, or one of these commands. SessionHistory names its beginning by the same tick as the log.
 bool beginsStep(const SessionEvent& event) {
   const auto* const mark = std::get_if<StrokeMark>(&event.what);
-  return mark ? *mark == StrokeMark::kBegin : commandIn<MoveObject>(event).has_value();
+  if (mark) return *mark == StrokeMark::kBegin;
+  return commandIn<MoveObject>(event) || commandIn<CutByPlanes>(event) || commandIn<DeleteObjects>(event);
 }
 
 // The first undo after a step's beginning undoes that step, or one cut on top of it and dropped since: the last step of

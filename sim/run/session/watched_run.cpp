@@ -135,6 +135,7 @@ void WatchedRun::findSteps() {
     const std::size_t end = std::min(at + 1, samples());  // the sample after a command executes it
     if (std::holds_alternative<MoveObject>(*command)) steps_.push_back({WatchedStep::Kind::kMove, at, end, tool});
     if (std::holds_alternative<CutByPlanes>(*command)) steps_.push_back({WatchedStep::Kind::kPlaneCut, at, end, tool});
+    if (std::holds_alternative<DeleteObjects>(*command)) steps_.push_back({WatchedStep::Kind::kDelete, at, end, tool});
     if (std::holds_alternative<Undo>(*command)) steps_.push_back({WatchedStep::Kind::kUndo, at, end, tool});
     if (std::holds_alternative<Redo>(*command)) steps_.push_back({WatchedStep::Kind::kRedo, at, end, tool});
   }

@@ -50,7 +50,7 @@ struct WatchOptions {
 
 /// A step in the log that a user may jump to.
 struct WatchedStep {
-  enum class Kind { kStroke, kMove, kPlaneCut, kUndo, kRedo };
+  enum class Kind { kStroke, kMove, kPlaneCut, kDelete, kUndo, kRedo };
   Kind kind = Kind::kStroke;
   std::size_t begin = 0, end = 0;  ///< samples: after `end` ticked samples the log is right behind the step
   std::size_t tool = 0;            ///< in hand at its beginning

@@ -234,6 +234,23 @@ TEST(GuidedHand, ThePersonsHandIsAskedUntilACutBeginsAndAfterIt) {
   EXPECT_EQ(bench.hand().report().stage, GuidedStage::kNone);
 }
 
+TEST(GuidedHand, ItIsAtRestFromTheEndOfACutToTheNext) {
+  Bench bench("saw-sagittal-10", {3, 6, 4});
+  EXPECT_TRUE(bench.hand().isAtRest()) << "the mouse";
+  GuidedCut cut = bench.cutTo(1, 8);
+  bench.begin(cut);
+  EXPECT_FALSE(bench.run(0.2));
+  EXPECT_FALSE(bench.hand().isAtRest());
+  ASSERT_TRUE(bench.run(30));
+  EXPECT_TRUE(bench.hand().isAtRest());
+  const Rigid3 over = bench.hand().read().T_world_device;
+  for (int n = 0; n < 500; ++n) bench.hand().write({});
+  EXPECT_EQ(bench.hand().read().T_world_device.translation, over.translation) << "it stands still";
+  ++cut.id;
+  bench.begin(cut);
+  EXPECT_FALSE(bench.hand().isAtRest());
+}
+
 TEST(GuidedHand, ReadsWithoutAllocating) {
   Bench bench("saw-sagittal-10", {3, 6, 4});
   const GuidedCut cut = bench.cutTo(1, 4);

@@ -32,10 +32,20 @@ const std::array<double, 12> kAwkward = {0.0,
 // One or more of every alternative, with distinct numbers, so that swapped parameters show.
 std::vector<Command> someCommands() {
   constexpr std::size_t kMost = std::numeric_limits<std::size_t>::max();
-  std::vector<Command> out = {
-      SelectTool{0},      SelectTool{kMost},       Undo{},       Redo{},          ClearLatch{},
-      AddMaterial{11, 3}, AddMaterial{255, kMost}, StopAdding{}, FreezeObject{3}, UnfreezeObject{4},
-      SplitObject{5},     SplitObject{6, 0.1}};
+  std::vector<Command> out = {SelectTool{0},
+                              SelectTool{kMost},
+                              Undo{},
+                              Redo{},
+                              ClearLatch{},
+                              AddMaterial{11, 3},
+                              AddMaterial{255, kMost},
+                              StopAdding{},
+                              FreezeObject{3},
+                              UnfreezeObject{4},
+                              SplitObject{5},
+                              SplitObject{6, 0.1},
+                              DeleteObjects{{1}},
+                              DeleteObjects{{0x8000000000000005}}};
   for (std::size_t n = 0; n < kAwkward.size(); ++n) {
     const auto a = [&](std::size_t k) { return kAwkward[(n + k) % kAwkward.size()]; };
     out.push_back(MoveObject{n, {a(0), a(1), a(2)}, {a(3), a(4), a(5), a(6)}});
@@ -96,7 +106,8 @@ TEST(Command, TextsAreThoseOfTheLogFormat) {
       {CutByPlanes{2, 1, {0.3, 1, {{{0, 0, 1, 5, 6, 7.5}}}}}, "object.cut 2 1 0.3 0 0 1 5 6 7.5"},
       {CutByPlanes{0, 1, {0, 0, {}, {2, 5, 0, 0, 1, 7, 8, 9}}}, "object.cut 0 1 0 hole 2 5 0 0 1 7 8 9"},
       {CutByPlanes{0, 0, {0.1, 1, {{{0, 0, 1, 5, 6, 7.5}}}, {2, 5, 0, 0, 1, 7, 8, 9}}},
-       "object.cut 0 0 0.1 0 0 1 5 6 7.5 hole 2 5 0 0 1 7 8 9"}};
+       "object.cut 0 0 0.1 0 0 1 5 6 7.5 hole 2 5 0 0 1 7 8 9"},
+      {DeleteObjects{{0b10110}}, "object.delete 1 2 4"}};
   EXPECT_EQ(std::size(texts), std::variant_size_v<Command> + 4);
   for (const auto& [command, text] : texts) {
     EXPECT_EQ(printCommand(command), text);

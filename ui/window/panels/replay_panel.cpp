@@ -70,6 +70,8 @@ const char* nameOf(WatchedStep::Kind kind) {
       return "piece moved";
     case WatchedStep::Kind::kPlaneCut:
       return "plane cut";
+    case WatchedStep::Kind::kDelete:
+      return "piece deleted";
     case WatchedStep::Kind::kUndo:
       return "undone";
     case WatchedStep::Kind::kRedo:
