@@ -189,6 +189,23 @@ TEST_F(ExportPlanTest, PiecesAreOfferedEachAndAlone) {
   EXPECT_FALSE(play("export.pieces put-back\n")) << "nothing was moved";
 }
 
+// Severed by a bur: the file is that of the other piece alone.
+TEST_F(ExportPlanTest, ADeletedPieceIsNotInTheFile) {
+  const fs::path one = folder_.path() / "one.stl", left = folder_.path() / "left.stl";
+  ASSERT_TRUE(play(open() + sawThrough() + "export.show\nwait\nexport.pieces piece 1\nexport.to \"" + one.string() +
+                   "\"\nexport.write\nwait\npiece.delete 2\nwait 0.2\nexpect pieces 1 1\n"))
+      << allNotices();
+  EXPECT_NE(allNotices().find("1 piece deleted, "), std::string::npos) << allNotices();
+  ASSERT_TRUE(
+      play("export.pieces all\nwait\nexpect verdict 1 1\nexport.to \"" + left.string() + "\"\nexport.write\nwait\n"))
+      << allNotices();
+  const auto before = readMesh(one), after = readMesh(left);
+  ASSERT_TRUE(before && after);
+  EXPECT_EQ(checkMesh(after->mesh).pieces, 1u);
+  EXPECT_EQ(before->mesh.triangles.size(), after->mesh.triangles.size());
+  EXPECT_NEAR(signedVolume(before->mesh), signedVolume(after->mesh), 1e-4) << "the cut face, from another solid";
+}
+
 TEST_F(ExportPlanTest, OnePieceOfSeveralIsNotTheCut) {
   ASSERT_TRUE(play(open() + sawThrough() + "export.show\nwait\n")) << allNotices();
   const fs::path one = folder_.path() / "one.stl";
@@ -196,7 +213,7 @@ TEST_F(ExportPlanTest, OnePieceOfSeveralIsNotTheCut) {
   ASSERT_TRUE(plan_.written());
   ASSERT_TRUE(fs::exists(one));
   EXPECT_TRUE(bench_.results->hasUnexportedCut()) << "the other piece is nowhere yet";
-  bench_.results->exportTo(folder_.path() / "again.stl", {.only = bench_.document->scene().shown().front()->id});
+  bench_.results->exportTo(folder_.path() / "again.stl", {.only = {bench_.document->scene().shown().front()->id}});
   ASSERT_TRUE(play("wait\n")) << allNotices();
   EXPECT_TRUE(bench_.results->hasUnexportedCut());
   ASSERT_TRUE(play("export.pieces each\nexport.write\nwait\n")) << allNotices();

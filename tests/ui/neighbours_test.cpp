@@ -17,6 +17,7 @@
 #include "ui/app/readout/point_readout.h"
 #include "ui/app/script/app_script.h"
 #include "ui/app/workbench/results.h"
+#include "ui/app/workbench/sawing.h"
 #include "ui/app/workbench/scene_neighbours.h"
 #include "ui/app/workbench/scene_pieces.h"
 #include "ui/app/workbench/sessions.h"
@@ -120,6 +121,23 @@ TEST_F(NeighboursTest, ItIsSeenAndPointedAtButNotWorkedOn) {
   ASSERT_FALSE(moved);
   EXPECT_EQ(moved.error().code, Error::Code::kUnsupported);
   EXPECT_EQ(moved.error().hint, "neighbour.work-on 1, then move that");
+
+  // A cut at once by a plane through both leaves it whole, and says so.
+  const auto run_command = [&](const char* id, std::vector<std::string> by) { return runAppCommand(context_, id, by); };
+  ASSERT_TRUE(run_command("saw.plane", {"0", "0.3", "-1", "0", "1", "0"}));
+  EXPECT_EQ(bench_.saw->neighboursInPlane(), "35");
+  ASSERT_TRUE(run_command("piece.choose", {"2"}));
+  const auto cut = run_command("plane.cut", {"both"}), deleted = run_command("piece.delete", {});
+  ASSERT_FALSE(cut || deleted);
+  EXPECT_NE(cut.error().hint.find("neighbour.work-on 1"), std::string::npos) << cut.error().hint;
+  EXPECT_NE(deleted.error().found.find("a neighbour"), std::string::npos) << deleted.error().found;
+  bench_.pieces->choose(std::nullopt);
+  ASSERT_TRUE(run_command("plane.cut", {"both"}));
+  until([&] { return bench_.document->scene().pieceCount() == 2; });
+  EXPECT_EQ(bench_.document->scene().shown().size(), 3u);
+  until([&] { return hasSaid("stays whole: 35"); });
+  ASSERT_TRUE(run_command("edit.undo", {}));
+  until([&] { return bench_.document->scene().pieceCount() == 1; });
 
   // Another colour than the work object's.
   const auto coloursOf = [&](const SceneObject& object) {

@@ -13,6 +13,7 @@
 #include "ui/app/document/jobs.h"
 #include "ui/app/workbench/export_plan.h"
 #include "ui/app/workbench/sawing.h"
+#include "ui/app/workbench/scene_pieces.h"
 #include "ui/app/workbench/sessions.h"
 #include "ui/app/workbench/steps.h"
 
@@ -23,6 +24,11 @@ namespace fs = std::filesystem;
 
 class CutAtOnce : public test::OnABlock {
  protected:
+  std::string allNotices() const {
+    std::string out;
+    for (const Notice& notice : bench_.notices->list()) out += notice.text + "\n";
+    return out;
+  }
   std::size_t pieces() const { return bench_.document->report().object_count; }
   Expected<void> command(const char* id, std::vector<std::string> words = {}) {
     return runAppCommand(context_, id, words);
@@ -92,6 +98,61 @@ TEST_F(CutAtOnce, BothPartsAreExportedAndAContinuedSessionHasBoth) {
   until([&] { return !bench_.jobs->running() && bench_.document->scene().triangleCount() > 0; });
   ASSERT_TRUE(bench_.document->isOpen());
   until([&] { return pieces() == 2; });
+}
+
+TEST_F(CutAtOnce, DeletedPiecesAreNotExportedAndComeBackByOneUndo) {
+  const auto do_and_wait = [&](const char* id, std::vector<std::string> words, std::size_t count) {
+    const auto done = command(id, std::move(words));
+    ASSERT_TRUE(done) << done.error().message();
+    until([&] { return pieces() == count && bench_.document->scene().pieceCount() == count; });
+    bench_.update();
+  };
+  ASSERT_TRUE(command("saw.plane", {"0.13", "0", "-0.2", "1", "0.1", "0.05"}));
+  const SawPlane plane = *bench_.saw->plan().chosen();
+  const auto solid = readCaseSolid(bench_.document->run()->caseFolder());
+  ASSERT_TRUE(solid);
+  do_and_wait("plane.cut", {"both"}, 2);
+  ASSERT_TRUE(command("saw.move", {"-0.4"}));
+  ASSERT_TRUE(command("piece.choose", {"2"}));
+  do_and_wait("plane.cut", {"both"}, 3);
+
+  // By the list: the first, then all up to the third.
+  const auto shown = bench_.document->scene().shown();
+  ScenePieces& list = *bench_.pieces;
+  list.choose(shown[0]->id);
+  list.chooseTo(shown[2]->id);
+  EXPECT_EQ(list.selected().size(), 3u);
+  EXPECT_EQ(list.chosen(), shown[0]);
+  const auto refused = command("piece.delete");
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message().find("a piece that stays"), std::string::npos) << refused.error().message();
+  EXPECT_NE(refused.error().hint.find("hide"), std::string::npos);
+  list.toggle(shown[0]->id);
+  EXPECT_EQ(list.selected().size(), 2u);
+  do_and_wait("piece.delete", {}, 1);
+  EXPECT_NE(allNotices().find("2 pieces deleted, "), std::string::npos) << allNotices();
+  EXPECT_EQ(bench_.steps->timeline().steps().back().kind, TimelineStep::Kind::kDelete);
+  EXPECT_FALSE(command("piece.delete")) << "none is chosen any more";
+  do_and_wait("edit.undo", {}, 3);
+  EXPECT_EQ(list.selected().size(), 2u) << "they are chosen again";
+  do_and_wait("edit.redo", {}, 1);
+
+  const std::array planes{Plane{plane.point, plane.normal}};
+  const auto wanted = cutByPlanes(*solid, planes);
+  ASSERT_TRUE(wanted) << wanted.error().message();
+  const fs::path run = end();
+  const auto exported = exportBundle(run);
+  ASSERT_TRUE(exported) << exported.error().message();
+  EXPECT_EQ(exported->post_op.mesh.vertices, wanted->above.mesh.vertices);
+  EXPECT_EQ(exported->post_op.mesh.triangles, wanted->above.mesh.triangles);
+  const auto replayed = replayRun(run);
+  ASSERT_TRUE(replayed) << replayed.error().message();
+  EXPECT_TRUE(replayed->is_same && replayed->is_whole) << replayed->note;
+
+  bench_.sessions->open(run);
+  until([&] { return !bench_.jobs->running() && bench_.document->scene().triangleCount() > 0; });
+  ASSERT_TRUE(bench_.document->isOpen());
+  EXPECT_EQ(pieces(), 1u);
 }
 
 TEST_F(CutAtOnce, HalvesThatTouchGetAFileEachUnlessOneFileIsChosen) {

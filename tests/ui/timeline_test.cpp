@@ -136,6 +136,22 @@ TEST(Timeline, APlannedCutIsOneStepHoweverManyStrokesItTook) {
   EXPECT_EQ(timeline.steps().back().kind, TimelineStep::Kind::kStroke);
 }
 
+TEST(Timeline, AHoleAndADeletionAreNamed) {
+  Timeline timeline;
+  timeline.beginPlannedCut("hole 1");
+  timeline.update(listOf(strokes(1, 2), 2));
+  timeline.endPlannedCut("hole 1, 2.0 mm wide, 9.8 mm deep");
+  std::vector<UndoStep> steps = strokes(1, 3);
+  steps.back().kind = UndoStep::Kind::kDelete;
+  steps.back().deleted = 2;
+  timeline.update(listOf(steps, 3));
+  ASSERT_EQ(timeline.steps().size(), 2u);
+  EXPECT_EQ(describeStep(timeline.steps()[0], 1, "drill"),
+            "1: hole 1, 2.0 mm wide, 9.8 mm deep, 0.30 mm3 removed, at 1.0 s");
+  EXPECT_EQ(timeline.steps()[1].kind, TimelineStep::Kind::kDelete);
+  EXPECT_EQ(describeStep(timeline.steps()[1], 2, "drill"), "2: 2 pieces deleted, 0.30 mm3, at 3.0 s");
+}
+
 TEST(Timeline, StepsInWhosePlaceOthersCameAreABranch) {
   Timeline timeline;
   timeline.update(listOf(strokes(1, 5), 5));

@@ -173,6 +173,12 @@ TEST(PieceMaker, WhatIsSeveredOnTheThreadIsCutMovedTakenBackAndReplayedBitForBit
   EXPECT_EQ(haptic.report().objects[0].id, 1u);
   send(Redo{});
   EXPECT_TRUE(holds([](const HapticReport& r) { return r.object_count == 3; }));
+  const std::uint32_t stays = haptic.report().objects[1].id;
+  send(DeleteObjects{{0b101}});
+  EXPECT_TRUE(holds([](const HapticReport& r) { return r.object_count == 1; }));
+  EXPECT_EQ(haptic.report().objects[0].id, stays);
+  send(Undo{});
+  EXPECT_TRUE(holds([](const HapticReport& r) { return r.object_count == 3; }));
   send(Undo{});
   saw();  // a new cut instead: the redo list and its subscriber are gone
   EXPECT_TRUE(holds([](const HapticReport& r) { return r.counts.pieces.splits + r.counts.pieces.crumbs >= 4; }));

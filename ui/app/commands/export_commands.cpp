@@ -28,7 +28,7 @@ std::optional<ExportChoice> choiceOf(const AppContext& c, AppWords words) {
   const auto shown = c.bench.document->scene().shown();
   for (std::size_t n = 0; n < shown.size(); ++n)
     if (!shown[n]->isBeside() && (shown[n]->name == name || std::to_string(n + 1) == name))
-      return ExportChoice{.only = shown[n]->id};
+      return ExportChoice{.only = {shown[n]->id}};
   return {};
 }
 

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "ui/app/base/command_words.h"
+#include "ui/app/commands/pointing.h"
 #include "ui/app/document/document.h"
 #include "ui/app/view/piece_colours.h"
 #include "ui/app/workbench/results.h"
@@ -107,9 +108,40 @@ Expected<void> putBack(AppContext& c, AppWords words) {
   return {};
 }
 
+// Pixel of the picture: 120 80. With "add": beside the others, or out of them.
+Expected<void> pick(AppContext& c, AppWords words) {
+  KERF_TRY(x, numberOf(words, 0, "X", 0, c.width));
+  KERF_TRY(y, numberOf(words, 1, "Y", 0, c.height));
+  const bool is_added = words.size() > 2;
+  if (is_added && words[2] != "add") return wrongWord("\"" + words[2] + "\"", "add, or nothing");
+  const auto hit = c.bench.document->scene().hit(rayUnder(c.camera, x, y, c.width, c.height));
+  const SceneObject* const piece = hit ? c.bench.document->scene().find(hit->id) : nullptr;
+  if (!piece || piece->isBeside()) return {};
+  is_added ? c.bench.pieces->toggle(piece->id) : c.bench.pieces->choose(piece->id);
+  return {};
+}
+
+Expected<void> add(AppContext& c, AppWords words) {
+  if (words.empty()) return wrongWord("no piece", "its name or number");
+  KERF_TRY(object, named(c, words[0]));
+  c.bench.pieces->toggle(object->id);
+  return {};
+}
+
+Expected<void> remove(AppContext& c, AppWords words) {
+  std::vector<std::uint32_t> ids;
+  for (const std::string& word : words) {
+    KERF_TRY(piece, named(c, word));
+    ids.push_back(piece->id);
+  }
+  if (words.empty())
+    for (const SceneObject* const piece : c.bench.pieces->selected()) ids.push_back(piece->id);
+  return c.bench.pieces->remove(ids);
+}
+
 Expected<void> hide(AppContext& c, AppWords) {
-  KERF_TRY(piece, chosen(c));
-  c.bench.pieces->hide(piece->id, true);
+  KERF_CHECK(chosen(c));
+  for (const SceneObject* const piece : c.bench.pieces->selected()) c.bench.pieces->hide(piece->id, true);
   return {};
 }
 
@@ -154,8 +186,10 @@ Expected<void> exportEach(AppContext& c, AppWords words) {
 
 Expected<void> exportChosen(AppContext& c, AppWords words) {
   KERF_TRY(path, pathOf(words));
-  KERF_TRY(piece, chosen(c));
-  c.bench.results->exportTo(path, {.only = piece->id});
+  KERF_CHECK(chosen(c));
+  ExportChoice choice;
+  for (const SceneObject* const piece : c.bench.pieces->selected()) choice.only.push_back(piece->id);
+  c.bench.results->exportTo(path, choice);
   return {};
 }
 
@@ -171,11 +205,15 @@ bool isChosenAndIdle(const AppContext& c) { return piece_commands::isChosen(c) &
 constexpr AppCommand kRows[] = {
     {"file.export-each", "", "", "", "PATH", "Writes one file per piece, NAME-PIECE.stl.", hasPiecesAndIdle,
      exportEach},
-    {"file.export-piece", "", "", "", "PATH", "Writes only the chosen piece.", isChosenAndIdle, exportChosen},
+    {"file.export-piece", "", "", "", "PATH", "Writes only the chosen pieces, in one file.", isChosenAndIdle,
+     exportChosen},
     {"file.export-put-back", "", "", "", "PATH", "Writes all pieces at their scan positions.", hasPiecesAndIdle,
      exportPutBack},
     {"piece.choose", "", "", "", "PIECE", "Chooses a piece by name or number. Moves apply to the chosen piece.",
      when::isOpen, choose},
+    {"piece.add", "", "", "", "PIECE", "Adds a piece to the chosen ones, or takes it out.", when::isOpen, add},
+    {"piece.pick", "", "", "", "X Y [add]",
+     "Chooses the piece at a pixel of the picture; add: beside the others, or out of them.", when::isOpen, pick},
     {"piece.next", "Piece", "Choose next piece", "Tab", "", "Chooses the next piece; after the last piece, none.",
      arePieces, chooseNext},
     {"piece.move", "", "", "", "X Y Z [PIECE]", "Moves a piece, in mm: by name or number (default: the chosen piece).",
@@ -184,7 +222,11 @@ constexpr AppCommand kRows[] = {
      "Turns a piece about its centre: by name or number (default: the chosen piece).", when::isOpen, turn},
     {"piece.put-back", "Piece", "Put back", "", "[PIECE]",
      "Returns a piece to its scan position: by name or number (default: the chosen piece).", arePieces, putBack},
-    {"piece.hide", "Piece", "Hide", "H", "", "Hides the chosen piece.", isChosen, hide},
+    {"piece.hide", "Piece", "Hide", "H", "", "Hides the chosen pieces.", isChosen, hide},
+    {"piece.delete", "Piece", "Delete pieces", "Delete", "[PIECE ...]",
+     "Removes pieces from the session and its exports, in one undo step: by name or number (default: the chosen "
+     "pieces). The last piece stays.",
+     when::isOpen, remove},
     {"piece.show-all", "Piece", "Show all", "Shift+H", "", "Shows all pieces.", when::isOpen, show},
     {"piece.rename", "", "", "", "NAME", "Names the chosen piece, for the list and for files.", when::isOpen, rename},
     {"piece.colour", "Piece", "Change colour", "", "[COLOUR|none]",

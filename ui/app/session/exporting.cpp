@@ -74,17 +74,27 @@ Expected<std::vector<ExportPart>> partsOfExport(LiveResult& result, const SceneC
     return isNamedByUser(piece.name) || (piece.isMoved() && !choice.is_put_back);
   });
   const std::size_t touching = countTouching(result.pieces, choice.is_put_back);
-  if (!choice.is_each && !choice.only && is_as_in_case && touching == 0) {
+  if (!choice.is_each && choice.only.empty() && is_as_in_case && touching == 0) {
     out.push_back(partOfExport("", std::move(result.post_op.mesh)));
     return out;
   }
 
   KERF_TRY(pieces, placedPieces(result.post_op.mesh, result.pieces, choice.is_put_back, names));
-  if (choice.only) {
-    for (const SceneCopy::Object& object : scene.objects)
-      for (PlacedPiece& piece : pieces)
-        if (object.id == *choice.only && (piece.id == object.id || result.pieces.empty()))
-          out.push_back(partOfPiece(piece));
+  if (!choice.only.empty()) {
+    const auto is_wanted = [&](std::uint32_t id) {
+      return std::find(choice.only.begin(), choice.only.end(), id) != choice.only.end();
+    };
+    const bool has_whole = std::any_of(scene.objects.begin(), scene.objects.end(),
+                                       [&](const SceneCopy::Object& object) { return is_wanted(object.id); });
+    std::erase_if(pieces,
+                  [&](const PlacedPiece& piece) { return result.pieces.empty() ? !has_whole : !is_wanted(piece.id); });
+    std::erase_if(result.pieces, [&](const RunManifest::Piece& piece) { return !is_wanted(piece.id); });
+    if (pieces.size() == 1) out.push_back(partOfPiece(pieces.front()));
+    if (pieces.size() > 1) {
+      out.push_back(partOfExport("", together(pieces), pieces));
+      out.back().touching = out.back().is_met ? countTouching(result.pieces, choice.is_put_back) : 0;
+      out.back().objects = objectsOf(pieces);
+    }
   } else if (choice.is_each) {
     for (PlacedPiece& piece : pieces) out.push_back(partOfPiece(piece));
   } else {
@@ -142,7 +152,8 @@ Expected<PreparedExport> prepareExport(const LiveRun& run, const SceneCopy& scen
   constexpr double kOfExport = 0.85;  // the check takes the rest
   ExportChoice choice = asked;
   for (const SceneCopy::Object& object : scene.objects)
-    if (choice.only == object.id && object.loaded > 0) choice = {.beside = object.loaded};
+    if (asked.only.size() == 1 && asked.only.front() == object.id && object.loaded > 0)
+      choice = {.beside = object.loaded};
   if (choice.beside > 0) choice.is_each = choice.is_put_back = false;
   const Progress first = [&](double done, std::string_view step) { return report(progress, kOfExport * done, step); };
   KERF_TRY(result, run.postOperative(scene, {}, first, choice.beside));

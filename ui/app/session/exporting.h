@@ -21,13 +21,13 @@ namespace kerf {
 
 /// Selection of an export.
 struct ExportChoice {
-  bool is_put_back = false;                ///< pieces at their loaded poses, without moves
-  bool is_each = false;                    ///< a file per piece: NAME-PIECE.stl instead of NAME.stl
-  std::optional<std::uint32_t> only = {};  ///< one piece
-  std::size_t beside = 0;                  ///< number of a neighbour to export; 0: the worked-on object
+  bool is_put_back = false;              ///< pieces at their loaded poses, without moves
+  bool is_each = false;                  ///< a file per piece: NAME-PIECE.stl instead of NAME.stl
+  std::vector<std::uint32_t> only = {};  ///< some pieces, in one file
+  std::size_t beside = 0;                ///< number of a neighbour to export; 0: the worked-on object
 
   /// Contains all pieces of the worked-on object.
-  bool isWhole() const { return !only && beside == 0; }
+  bool isWhole() const { return only.empty() && beside == 0; }
 
   bool operator==(const ExportChoice&) const = default;
 };

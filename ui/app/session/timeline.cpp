@@ -6,6 +6,23 @@
 #include <algorithm>
 
 namespace kerf {
+namespace {
+
+TimelineStep::Kind stepKind(UndoStep::Kind kind) {
+  switch (kind) {
+    case UndoStep::Kind::kMove:
+      return TimelineStep::Kind::kMove;
+    case UndoStep::Kind::kPlaneCut:
+      return TimelineStep::Kind::kPlaneCut;
+    case UndoStep::Kind::kDelete:
+      return TimelineStep::Kind::kDelete;
+    case UndoStep::Kind::kStroke:
+      break;
+  }
+  return TimelineStep::Kind::kStroke;
+}
+
+}  // namespace
 
 void Timeline::update(const UndoList& list) {
   if (list == list_) return;
@@ -66,9 +83,13 @@ std::optional<TimelineBranch> Timeline::ahead(std::size_t strokes) const {
 
 void Timeline::beginPlannedCut(const std::string& plane) { cuts_.push_back({plane, newest_ + 1, 0}); }
 
-void Timeline::endPlannedCut() {
+void Timeline::endPlannedCut(const std::string& hole) {
   if (!cuts_.empty() && cuts_.back().last == 0) cuts_.back().last = newest_;
-  if (!cuts_.empty() && cuts_.back().last < cuts_.back().first) cuts_.pop_back();  // it cut nothing
+  if (!cuts_.empty() && cuts_.back().last < cuts_.back().first) return cuts_.pop_back();  // it cut nothing
+  if (cuts_.empty() || hole.empty()) return;
+  cuts_.back().plane = hole;
+  cuts_.back().is_hole = true;
+  groupSteps();
 }
 
 const Timeline::PlannedCut* Timeline::cutOf(std::uint64_t number) const {
@@ -82,22 +103,20 @@ void Timeline::groupSteps() {
   steps_.clear();
   const PlannedCut* last_cut = nullptr;
   for (const UndoStep& stroke : strokes_) {
-    const bool is_move = stroke.kind == UndoStep::Kind::kMove, is_plane = stroke.kind == UndoStep::Kind::kPlaneCut;
-    const PlannedCut* const cut = is_move || is_plane ? nullptr : cutOf(stroke.number);
+    const PlannedCut* const cut = stroke.kind != UndoStep::Kind::kStroke ? nullptr : cutOf(stroke.number);
     if (cut && cut == last_cut) {
       ++steps_.back().strokes;
     } else {
       TimelineStep& step = steps_.emplace_back();
-      step.kind = is_move    ? TimelineStep::Kind::kMove
-                  : is_plane ? TimelineStep::Kind::kPlaneCut
-                  : cut      ? TimelineStep::Kind::kPlannedCut
-                             : TimelineStep::Kind::kStroke;
+      step.kind = stepKind(stroke.kind);
+      if (cut) step.kind = cut->is_hole ? TimelineStep::Kind::kHole : TimelineStep::Kind::kPlannedCut;
       step.tool = stroke.origin.tool;
       step.plane = cut ? cut->plane : "";
       step.began_s = kTick * static_cast<double>(stroke.origin.tick);
     }
     steps_.back().removed_mm3 += stroke.removed_mm3;
     steps_.back().added_mm3 += stroke.added_mm3;
+    steps_.back().deleted += stroke.deleted;
     last_cut = cut;
   }
 }
@@ -130,12 +149,20 @@ Expected<std::size_t> Timeline::strokesAfter(std::uint64_t number) const {
 
 std::string describeStep(const TimelineStep& step, std::uint64_t number, const std::string& tool) {
   if (step.kind == TimelineStep::Kind::kMove) return phrase("{}: piece moved, at {:.1f} s", number, step.began_s);
+  if (step.kind == TimelineStep::Kind::kDelete)
+    return phrase("{}: {}, at {:.1f} s", number, deletedText(step.deleted, step.removed_mm3), step.began_s);
   const std::string what = step.kind == TimelineStep::Kind::kPlannedCut ? phrase("planned cut {}", step.plane)
+                           : step.kind == TimelineStep::Kind::kHole     ? step.plane
                            : step.kind == TimelineStep::Kind::kPlaneCut ? shownText("plane cut")
                                                                         : tool;
   std::string out = phrase("{}: {}, {:.2f} mm3 removed", number, what, step.removed_mm3);
   if (step.added_mm3 > 0) out += phrase(", {:.2f} mm3 added", step.added_mm3);
   return out + phrase(", at {:.1f} s", step.began_s);
+}
+
+std::string deletedText(std::size_t pieces, double mm3) {
+  return pieces == 1 ? phrase("1 piece deleted, {:.2f} mm3", mm3)
+                     : phrase("{} pieces deleted, {:.2f} mm3", pieces, mm3);
 }
 
 std::string describeBranch(const TimelineBranch& branch) {

@@ -17,12 +17,13 @@
 namespace kerf {
 
 struct TimelineStep {
-  enum class Kind { kStroke, kMove, kPlannedCut, kPlaneCut };
+  enum class Kind { kStroke, kMove, kPlannedCut, kHole, kPlaneCut, kDelete };
   Kind kind = Kind::kStroke;
   std::size_t tool = 0;  ///< in hand at its start
-  std::string plane{};   ///< of a planned cut
+  std::string plane{};   ///< of a planned cut; of a hole: its name and size
   double began_s = 0;    ///< since the start of the session, by its own clock
   double removed_mm3 = 0, added_mm3 = 0;
+  std::size_t deleted = 0;  ///< pieces
   std::size_t strokes = 1;  ///< number of Undo that reverse it
 };
 
@@ -41,7 +42,8 @@ class Timeline {
 
   /// All cutting from here to endPlannedCut() is one step.
   void beginPlannedCut(const std::string& plane);
-  void endPlannedCut();
+  /// @param hole  name and size, if it is one.
+  void endPlannedCut(const std::string& hole = {});
 
   /// Steps that can be undone or redone, oldest first.
   const std::vector<TimelineStep>& steps() const { return steps_; }
@@ -70,6 +72,7 @@ class Timeline {
   struct PlannedCut {
     std::string plane;
     std::uint64_t first = 0, last = 0;  // numbers of undo steps; last 0: it goes on
+    bool is_hole = false;
   };
   const PlannedCut* cutOf(std::uint64_t number) const;
   void groupSteps();
@@ -88,6 +91,8 @@ class Timeline {
 
 /// "3: round-014, 0.42 mm3 removed, at 12.3 s".   @param number  older() + n + 1.   @param tool  its name.
 std::string describeStep(const TimelineStep& step, std::uint64_t number, const std::string& tool);
+/// "2 pieces deleted, 812.00 mm3"
+std::string deletedText(std::size_t pieces, double mm3);
 /// "from step 2: 3 steps, 0.42 mm3 removed, the last at 12.3 s".
 std::string describeBranch(const TimelineBranch& branch);
 /// Effect of a stroke from an earlier place on the steps ahead; empty for one step or none.

@@ -269,8 +269,9 @@ void Drilling::update() {
 void Drilling::finish() {
   const Running d = *drilling_;
   drilling_.reset();
-  bench_.steps->endPlannedCut();
   last_depth_ = std::max(d.deepest, 0.0);
+  bench_.steps->endPlannedCut(
+      phrase("hole {}, {:.1f} mm wide, {:.1f} mm deep", holes_, 2 * shape_.radius, last_depth_));
   const bool is_reached = last_depth_ >= d.hole.depth - 2 * kReached;
   if (is_reached && hole_ == d.hole) {  // the next one may be planned already
     place_.reset();

@@ -17,6 +17,7 @@
 #include "ui/app/workbench/results.h"
 #include "ui/app/workbench/sawing.h"
 #include "ui/app/workbench/scene_neighbours.h"
+#include "ui/app/workbench/scene_pieces.h"
 #include "ui/app/workbench/workbench.h"
 
 namespace kerf {
@@ -127,7 +128,11 @@ std::vector<ExportOffer> ExportPlan::offers() const {
   if (are_several) {
     out.push_back({"One file per piece", {.is_each = true}});
     for (const SceneObject* object : scene.shown())
-      if (isWorkedOn(object)) out.push_back({phrase("Only {}", object->name), {.only = object->id}});
+      if (isWorkedOn(object)) out.push_back({phrase("Only {}", object->name), {.only = {object->id}}});
+    ExportChoice chosen;
+    for (const SceneObject* object : bench_.pieces->selected())
+      if (isWorkedOn(object)) chosen.only.push_back(object->id);
+    if (chosen.only.size() > 1) out.push_back({phrase("Only the {} chosen pieces", chosen.only.size()), chosen});
   }
   for (const Neighbour& other : bench_.neighbours->list())
     if (const SceneObject* const object = bench_.neighbours->find(other.name))
@@ -213,8 +218,8 @@ fs::path ExportPlan::suggestedFolder(const fs::path& otherwise) const {
 void ExportPlan::suggestFile(const fs::path& folder) {
   const std::string ending = format() ? file_.extension().string() : ".stl";
   std::string name = bench_.document->name() + "-cut";
-  if (choice_.only) {
-    if (const SceneObject* const piece = bench_.document->scene().find(*choice_.only))
+  if (!choice_.only.empty()) {
+    if (const SceneObject* const piece = bench_.document->scene().find(choice_.only.front()))
       name = bench_.document->name() + "-" + piece->name;
   } else if (choice_.beside > 0) {
     for (const SceneObject* object : bench_.document->scene().shown())

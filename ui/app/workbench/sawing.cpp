@@ -64,6 +64,37 @@ double firstTissue(const SawPlane& plane, const SawBlade& blade, const BrickFiel
   return pass.from;
 }
 
+// In the frame of the piece as loaded.
+CutPlanes planesIn(const SceneObject& piece, const CutPlanes& planes) {
+  if (!piece.isMoved()) return planes;
+  const Rigid3 T_piece_world = piece.T_world_object.inverse();
+  const auto turned = [&](const Vec3d& unit) -> Vec3d { return (T_piece_world.rotation * unit).normalized(); };
+  CutPlanes out;
+  out.kerf_mm = planes.kerf_mm;
+  for (const Plane& plane : planes.planes()) out.add({T_piece_world * plane.point, turned(plane.normal)});
+  RoundHole hole = planes.hole();
+  hole.mouth = T_piece_world * hole.mouth;
+  hole.axis = turned(hole.axis);
+  if (planes.hasHole()) out.setHole(hole);
+  return out;
+}
+
+// By its box.
+bool isMet(const SceneObject& piece, const CutPlanes& planes) {
+  const Box3 box = piece.surface.bounds();
+  bool has_below = false;
+  for (const Plane& plane : planesIn(piece, planes).planes()) {
+    double least = plane.height(box.corner(0)), most = least;
+    for (int n = 1; n < 8; ++n) {
+      least = std::min(least, plane.height(box.corner(n)));
+      most = std::max(most, plane.height(box.corner(n)));
+    }
+    if (most <= 0) return false;
+    has_below |= least < 0;
+  }
+  return has_below;
+}
+
 }  // namespace
 
 struct Sawing::Cutting {
@@ -405,36 +436,9 @@ Expected<void> Sawing::cutAtOnce(PlaneKeep keep, const CutPlanes& planes, const 
   if (isCutting() || at_once_ || bench_.strokes->isPressed() || bench_.steps->undosLeft() != 0)
     return refuse(Error::Code::kUnsupported, "the tool is in use", "a tool at rest", "release the button first");
 
-  const auto planesIn = [&](const SceneObject& piece) {
-    if (!piece.isMoved()) return planes;
-    const Rigid3 T_piece_world = piece.T_world_object.inverse();
-    const auto turned = [&](const Vec3d& unit) -> Vec3d { return (T_piece_world.rotation * unit).normalized(); };
-    CutPlanes out;
-    out.kerf_mm = planes.kerf_mm;
-    for (const Plane& plane : planes.planes()) out.add({T_piece_world * plane.point, turned(plane.normal)});
-    RoundHole hole = planes.hole();
-    hole.mouth = T_piece_world * hole.mouth;
-    hole.axis = turned(hole.axis);
-    if (planes.hasHole()) out.setHole(hole);
-    return out;
-  };
-  const auto isMet = [&](const SceneObject& piece) {
-    const Box3 box = piece.surface.bounds();
-    bool has_below = false;
-    for (const Plane& plane : planesIn(piece).planes()) {
-      double least = plane.height(box.corner(0)), most = least;
-      for (int n = 1; n < 8; ++n) {
-        least = std::min(least, plane.height(box.corner(n)));
-        most = std::max(most, plane.height(box.corner(n)));
-      }
-      if (most <= 0) return false;
-      has_below |= least < 0;
-    }
-    return has_below;
-  };
   const SceneObject* piece = wanted ? bench_.document->scene().find(*wanted) : bench_.pieces->chosen();
   for (const SceneObject* const other : bench_.document->scene().shown()) {
-    if (wanted || bench_.pieces->chosen() || other->isBeside() || !isMet(*other)) continue;
+    if (wanted || bench_.pieces->chosen() || other->isBeside() || !isMet(*other, planes)) continue;
     if (piece)
       return refuse(Error::Code::kUnsupported, "several pieces in the plane", "one piece to cut",
                     "click a piece in Pieces, then cut again");
@@ -443,18 +447,29 @@ Expected<void> Sawing::cutAtOnce(PlaneKeep keep, const CutPlanes& planes, const 
   if (wanted && !piece)
     return refuse(Error::Code::kNotFound, "the piece is no longer there", "a piece of the scene",
                   "plan again on a piece that is there");
-  if (!piece || !isMet(*piece))
+  if (!piece || !isMet(*piece, planes))
     return refuse(Error::Code::kEmpty, "the plane misses the object", "a plane through it", "move the plane");
   if (piece->isBeside())
     return refuse(Error::Code::kUnsupported, "a neighbour", "a piece of the scan itself",
-                  "open that scan by itself to cut it by a plane");
+                  fmt::format("neighbour.work-on {} (Switch to neighbour), then cut", piece->loaded));
 
   if (bench_.document->report().is_latched) bench_.document->send(ClearLatch{});
   const std::uint64_t refused = bench_.document->report().counts.commands_refused;
-  if (!bench_.document->send(CutByPlanes{piece->index, static_cast<std::uint8_t>(keep), planesIn(*piece)}))
+  if (!bench_.document->send(CutByPlanes{piece->index, static_cast<std::uint8_t>(keep), planesIn(*piece, planes)}))
     return refuse(Error::Code::kUnsupported, "the 1 kHz thread is busy", "a free place in its queue", "try again");
-  at_once_ = AtOnce{name, bench_.document->sent(), refused, bench_.steps->done()};
+  at_once_ = AtOnce{name, bench_.document->sent(), refused, bench_.steps->done(), wanted ? "" : neighboursInPlane()};
   return {};
+}
+
+std::string Sawing::neighboursInPlane() const {
+  std::string out;
+  const SawPlane* const chosen = plan_.chosen();
+  if (!chosen) return out;
+  CutPlanes planes;
+  planes.add({chosen->point, chosen->normal});
+  for (const SceneObject* const other : bench_.document->scene().shown())
+    if (other->isBeside() && isMet(*other, planes)) out += (out.empty() ? "" : ", ") + other->name;
+  return out;
 }
 
 void Sawing::reportAtOnce() {
@@ -466,7 +481,9 @@ void Sawing::reportAtOnce() {
                               .expected = "a plane through it",
                               .hint = "move the plane, or turn it"});
   else {
-    bench_.notices->say(phrase("{}: cut at once", at_once_->plane));
+    bench_.notices->say(at_once_->beside.empty() ? phrase("{}: cut at once", at_once_->plane)
+                                                 : phrase("{}: cut at once; stays whole: {} (neighbour)",
+                                                          at_once_->plane, at_once_->beside));
     spent_ = Spent{plan_.version(), at_once_->steps_before};
   }
   at_once_.reset();

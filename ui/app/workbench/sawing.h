@@ -137,6 +137,9 @@ class Sawing final : public Part {
   /// Chooses a plane of the plan, and shows the plan again.
   void choosePlane(std::size_t n);
 
+  /// Names of the neighbours that the chosen plane meets: a cut at once leaves them whole. Empty: none.
+  std::string neighboursInPlane() const;
+
   // ---- The guide
 
   bool guide = false;  ///< keeps the blade in the chosen plane, by mouse
@@ -169,6 +172,7 @@ class Sawing final : public Part {
     std::string plane;
     std::uint64_t sent = 0, refused_before = 0;
     std::size_t steps_before = 0;
+    std::string beside;  // neighbours in the plane
   };
   struct Spent {
     std::uint64_t version = 0;  ///< of the plan

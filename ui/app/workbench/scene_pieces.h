@@ -1,11 +1,13 @@
-// Pieces of the object in work, by SceneObject::id: moves, names, colours, and the chosen one.
+// Pieces of the object in work, by SceneObject::id: moves, names, colours, deletion, and the chosen ones.
 #pragma once
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "geometry/base/error.h"
 #include "geometry/base/types.h"
 #include "ui/app/document/part.h"
 
@@ -27,9 +29,23 @@ class ScenePieces final : public Part {
   void rename(std::uint32_t id, const std::string& name);
   /// Display colour, kept with the session like the name.   @param colour  of pieceColours(); empty: none.
   void colour(std::uint32_t id, const std::string& colour);
-  /// The piece that moves act on. Null: none chosen, or not in the scene.
+  /// Removes pieces from the session: one undo step. A notice tells their volume once it is done.
+  /// Errors: kEmpty for none; kUnsupported for all pieces, for neighbours, and while the tool is in use.
+  Expected<void> remove(std::span<const std::uint32_t> ids);
+
+  // ---- The chosen ones
+
+  /// The piece that moves act on: the last of selected() by choice. Null: none chosen, or not in the scene.
   const SceneObject* chosen() const;
-  void choose(std::optional<std::uint32_t> id) { chosen_ = id; }
+  /// All chosen pieces, in the order of the scene.
+  std::vector<const SceneObject*> selected() const;
+  bool isSelected(std::uint32_t id) const;
+  /// This piece alone.
+  void choose(std::optional<std::uint32_t> id);
+  /// Adds a piece, or takes it out.
+  void toggle(std::uint32_t id);
+  /// All pieces of the list from the chosen one to this one.
+  void chooseTo(std::uint32_t id);
   /// Gives the names of the window to the run, for the files that it writes.
   void passNames();
 
@@ -38,8 +54,14 @@ class ScenePieces final : public Part {
   void update() override;
 
  private:
+  void reportRemoved();
+
   Workbench& bench_;
-  std::optional<std::uint32_t> chosen_;
+  std::vector<std::uint32_t> selected_;  // the last is chosen()
+  struct Removing {
+    std::uint64_t sent = 0, refused_before = 0;
+  };
+  std::optional<Removing> removing_;
   struct Moving {
     std::uint32_t id = 0;
     std::uint64_t sent = 0;  // done when so many commands are answered

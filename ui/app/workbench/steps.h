@@ -58,7 +58,7 @@ class Steps final : public Part {
 
   /// All cutting until endPlannedCut() is one step.
   void beginPlannedCut(const std::string& plane) { timeline_.beginPlannedCut(plane); }
-  void endPlannedCut() { timeline_.endPlannedCut(); }
+  void endPlannedCut(const std::string& hole = {}) { timeline_.endPlannedCut(hole); }
   /// Undone steps of the session: BranchPoint::step_began.   @param with_ahead  also those ahead of the present step.
   std::vector<std::uint64_t> droppedSteps(bool with_ahead) const;
   /// The session has ended: its branches move to the runs that keep them.

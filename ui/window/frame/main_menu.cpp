@@ -171,6 +171,7 @@ void drawContextMenu(AppContext& context, std::optional<std::array<double, 2>>& 
   row("piece.hide", {});
   row("piece.show-all", {});
   row("piece.put-back", {});
+  row("piece.delete", {});
   ImGui::Separator();
   row("edit.undo", {});
   row("export.show", {});

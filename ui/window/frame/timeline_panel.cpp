@@ -34,8 +34,10 @@ ImVec4 colourOf(TimelineStep::Kind kind) {
     case TimelineStep::Kind::kStroke:
       return colours.accent;
     case TimelineStep::Kind::kMove:
+    case TimelineStep::Kind::kDelete:
       return colours.quiet;
     case TimelineStep::Kind::kPlannedCut:
+    case TimelineStep::Kind::kHole:
     case TimelineStep::Kind::kPlaneCut:
       return colours.good;
   }

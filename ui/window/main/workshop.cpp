@@ -40,6 +40,7 @@
 #include "ui/app/workbench/imports.h"
 #include "ui/app/workbench/replays.h"
 #include "ui/app/workbench/sawing.h"
+#include "ui/app/workbench/scene_pieces.h"
 #include "ui/app/workbench/strokes.h"
 #include "ui/app/workbench/tool_monitor.h"
 #include "ui/app/workbench/tools.h"
@@ -559,6 +560,16 @@ class Workshop {
     return true;
   }
 
+  // With Ctrl, to the chosen ones. False beside the pieces.
+  bool addsPiece() {
+    const auto hit = bench_.document->scene().hit(rayAt(x_, y_));
+    if (!hit || !arePiecesNeeded(context_) || bench_.imports->isImporting()) return false;
+    std::vector<std::string> words = wordsOf({pointer()[0], pointer()[1]});
+    words.emplace_back("add");
+    say(runAppCommand(context_, "piece.pick", words));
+    return true;
+  }
+
   // The left button draws a line over a scan in import.
   bool takesTrim(const InputEvent& e, bool is_on_panel) {
     TrimDrawing& drawing = bench_.imports->drawing;
@@ -599,6 +610,7 @@ class Workshop {
     if (e.key == GLFW_MOUSE_BUTTON_RIGHT) right_pressed_ = pointer();
     palette_.hide();
     if (e.key == GLFW_MOUSE_BUTTON_LEFT && placesHole()) return;
+    if (e.key == GLFW_MOUSE_BUTTON_LEFT && (e.modifiers & GLFW_MOD_CONTROL) && addsPiece()) return;
     if (e.key == GLFW_MOUSE_BUTTON_LEFT && panels_.piece_drag.press(context_, pointer())) return;
     if (e.key != GLFW_MOUSE_BUTTON_LEFT || bench_.imports->isImporting() || !leftButtonCuts(context_) ||
         !stroke_.press(context_, pointer())) {
@@ -611,6 +623,9 @@ class Workshop {
   // A right click: a drag has reset its place.
   void openMenuAt(const Pixel& pressed) {
     if (screenOf(bench_) != Screen::kCut || bench_.strokes->isPressed()) return;
+    const auto hit = bench_.document->scene().hit(rayAt(x_, y_));
+    if (hit && arePiecesNeeded(context_) && !bench_.pieces->isSelected(hit->id))
+      runIfEnabled(context_, "piece.pick", wordsOf({pressed[0], pressed[1]}));
     panels_.menu_at = std::array{pressed[0], pressed[1]};
   }
 

@@ -110,6 +110,39 @@ void drawColours(AppContext& context, const SceneObject& piece) {
   if (ui::smallButton("None")) giveColour(context, "none");
 }
 
+constexpr const char* kPieceMenu = "###piece-menu";
+
+// Of the row that opened it.
+void drawPieceMenu(AppContext& context) {
+  if (!ui::beginPopup(kPieceMenu)) return;
+  for (const char* const id : {"piece.hide", "piece.show-all", "piece.put-back", "piece.delete"}) {
+    const AppCommand& command = *findAppCommand(id);
+    if (ui::menuItem(command.label, ui::asItIs(shownKey(command.key)), command.is_enabled(context)))
+      runIfEnabled(context, id);
+  }
+  ImGui::EndPopup();
+}
+
+// Ctrl adds, Shift takes all up to the piece.
+void chooseByClick(ScenePieces& pieces, const SceneObject& piece) {
+  if (ImGui::GetIO().KeyCtrl) return pieces.toggle(piece.id);
+  if (ImGui::GetIO().KeyShift) return pieces.chooseTo(piece.id);
+  const bool is_alone = pieces.chosen() == &piece && pieces.selected().size() == 1;
+  pieces.choose(is_alone ? std::nullopt : std::optional(piece.id));
+}
+
+// The others beside the chosen piece, whose handles show it.
+void drawSelected(const AppContext& context, double pixels) {
+  const ScenePieces& pieces = *context.bench.pieces;
+  for (const SceneObject* const piece : pieces.selected()) {
+    if (piece == pieces.chosen() || piece->is_hidden || piece->isBeside()) continue;
+    const PieceGizmo at(context.camera, context.width, context.height,
+                        piece->pose() * piece->surface.bounds().center());
+    const ImVec2 center(static_cast<float>(at.center()[0] / pixels), static_cast<float>(at.center()[1] / pixels));
+    ImGui::GetBackgroundDrawList()->AddCircleFilled(center, static_cast<float>(PieceGizmo::kDisc / pixels), kLit);
+  }
+}
+
 }  // namespace
 
 void drawPieces(AppContext& context) {
@@ -132,14 +165,27 @@ void drawPieces(AppContext& context) {
     const std::string volume =
         fmt::format("{:.{}f} mm3{}", piece->surface.volume(), piece->surface.volume() < 100 ? 1 : 0,
                     shownText(piece->isMoved() ? ", moved" : ""));
-    if (ui::selectable(ui::asItIs(piece->name), piece == chosen, 0, {scaled(90), 0}))
-      bench.pieces->choose(piece == chosen ? std::nullopt : std::optional(piece->id));
+    if (ui::selectable(ui::asItIs(piece->name), bench.pieces->isSelected(piece->id), 0, {scaled(90), 0}))
+      chooseByClick(*bench.pieces, *piece);
+    if (ImGui::IsItemClicked(ImGuiMouseButton_Right)) {
+      if (!bench.pieces->isSelected(piece->id)) bench.pieces->choose(piece->id);
+      ui::openPopup(kPieceMenu);
+    }
+    drawPieceMenu(context);
     ImGui::SameLine();
     ui::textDisabled(volume);
     drawRemoved(*piece);
     ImGui::PopID();
   }
-  if (chosen) {
+  const std::size_t count = bench.pieces->selected().size();
+  if (chosen && count > 1) {
+    ImGui::Separator();
+    double mm3 = 0;
+    for (const SceneObject* const piece : bench.pieces->selected()) mm3 += piece->surface.volume();
+    ui::text(phrase("{} pieces chosen, {:.0f} mm3", count, mm3));
+    if (ui::button("Hide", {-1, 0})) runIfEnabled(context, "piece.hide");
+    if (ui::button("Delete", {-1, 0})) runIfEnabled(context, "piece.delete");
+  } else if (chosen) {
     ImGui::Separator();
     std::array<char, 64> name{};
     chosen->name.copy(name.data(), name.size() - 1);
@@ -151,7 +197,7 @@ void drawPieces(AppContext& context) {
     drawMove(context, *chosen);
   } else {
     ImGui::PushTextWrapPos(0);
-    ui::textDisabled("Click a piece to move or name it");
+    ui::textDisabled("Click a piece to move or name it; Ctrl or Shift for several");
     ImGui::PopTextWrapPos();
   }
 }
@@ -238,6 +284,7 @@ bool areNeighboursNeeded(const AppContext& context) {
 }
 
 void drawPieceHandles(const AppContext& context, const PieceDrag& drag, double pixels) {
+  drawSelected(context, pixels);
   if (const auto gizmo = gizmoOf(context)) drawGizmo(*gizmo, drag.lit(), pixels);
 }
 

@@ -177,6 +177,8 @@ void drawCutAtOnce(AppContext& context) {
   if (const auto covered = context.bench.saw->coverage(); covered && covered->sections > covered->sections_met)
     ui::textColored(styleColours().quiet,
                     phrase("Cuts {} more in this plane", covered->sections - covered->sections_met));
+  if (const std::string beside = context.bench.saw->neighboursInPlane(); !beside.empty())
+    ui::textWrapped(phrase("Stays whole: {} (neighbour). To cut it: Piece > Switch to neighbour", beside));
   ui::text("Cut at once, keep");
   const float width = (ImGui::GetContentRegionAvail().x - 2 * ImGui::GetStyle().ItemSpacing.x) / 3;
   static constexpr std::array<std::array<const char*, 3>, 3> kSides = {
