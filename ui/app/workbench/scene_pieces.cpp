@@ -123,7 +123,7 @@ void ScenePieces::reportRemoved() {
                                      .expected = "pieces of the scene, and one that stays",
                                      .hint = "choose them again"});
   const UndoStep& step = undo.newest[undo.newest_count - 1];
-  bench_.notices->say(phrase("{}; Ctrl+Z brings them back", deletedText(step.deleted, step.removed_mm3)));
+  bench_.notices->say(phrase("{}; Ctrl+Z undoes it", deletedText(step.deleted, step.removed_mm3)));
 }
 
 void ScenePieces::move(std::uint32_t id, const Rigid3& T_world_object) {
