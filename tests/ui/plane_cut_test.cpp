@@ -5,6 +5,7 @@
 
 #include "geometry/boolean/plane_cut.h"
 #include "geometry/case/case_bundle.h"
+#include "geometry/formats/mesh_io.h"
 #include "geometry/mesh/mesh_check.h"
 #include "sim/run/export/export_bundle.h"
 #include "sim/run/report/replay.h"
@@ -115,6 +116,17 @@ TEST_F(CutAtOnce, DeletedPiecesAreNotExportedAndComeBackByOneUndo) {
   ASSERT_TRUE(command("saw.move", {"-0.4"}));
   ASSERT_TRUE(command("piece.choose", {"2"}));
   do_and_wait("plane.cut", {"both"}, 3);
+
+  // Two of them in one file.
+  const fs::path two = folder_.path() / "two.stl";
+  ASSERT_TRUE(command("piece.choose", {"1"}));
+  ASSERT_TRUE(command("piece.add", {"3"}));
+  ASSERT_TRUE(command("file.export-piece", {two.string()}));
+  until([&] { return !bench_.jobs->running(); });
+  const auto written = readMesh(two);
+  ASSERT_TRUE(written) << allNotices();
+  EXPECT_TRUE(checkMesh(written->mesh).print_ready);
+  EXPECT_EQ(checkMesh(written->mesh).pieces, 2u);
 
   // By the list: the first, then all up to the third.
   const auto shown = bench_.document->scene().shown();

@@ -99,7 +99,7 @@ Expected<void> ScenePieces::remove(std::span<const std::uint32_t> ids) {
     return refuse(Error::Code::kEmpty, "no piece is chosen", "one of the pieces", "click a piece in Pieces");
   if (left == 0)
     return refuse(Error::Code::kUnsupported, ids.size() > 1 ? "all pieces" : "the only piece", "a piece that stays",
-                  "hide it (H), or end the session (Ctrl+W)");
+                  "hide pieces (H), or end the session (Ctrl+W)");
   if (bench_.saw->isCutting() || bench_.steps->isMoving() || removing_)
     return refuse(Error::Code::kUnsupported, "the tool is in use", "a tool at rest", "wait for it, then delete again");
   bench_.strokes->release();
