@@ -236,7 +236,15 @@ TEST_F(TissuePicture, ASessionThatIsWatchedShowsThemAsWhileItIsCut) {
     difference = test::pictureDifference(before, shot());
   }
   EXPECT_GT(difference, 0.05) << "the stroke has gone into the dentin";
-  play("view.tissues-all\nwait\nreplay.close\nwait\n");
+  play("view.tissues-all\nwait\n");
+  const Image cut = shot();
+  play("view.as-loaded on\nwait\n");
+  EXPECT_GT(test::pictureDifference(cut, shot()), 0.01) << "without the cut";
+  play("replay.begin\nwait\n");
+  const Image as_loaded = shot();
+  play("view.as-loaded off\nwait\n");
+  EXPECT_EQ(shot().rgba, as_loaded.rgba);
+  play("replay.close\nwait\n");
 }
 
 TEST_F(TissuePicture, WhatIsUnderAHiddenTissueIsSeen) {
@@ -362,6 +370,43 @@ TEST_F(TissuePicture, WhatIsCutWhileATissueIsHiddenIsSeenToBeCut) {
   run("edit.undo");
   run("wait 0.5");
   EXPECT_LT(differs(picture()), cut / 4);
+}
+
+TEST_F(TissuePicture, AsLoadedShowsTheObjectWithoutItsCutsWhereItWas) {
+  run("view.from top");
+  view_->hover({});
+  const Image whole = picture();
+  const Plane across{bench_->document->scene().bounds().center(), {0, 0, 1}};
+  bench_->views->section = across;
+  const Image whole_section = picture();
+  bench_->views->section.reset();
+
+  run("view.as-loaded on");
+  EXPECT_EQ(picture().rgba, whole.rgba);
+  run("view.as-loaded");
+  run("cut.force 8");
+  run("cut.depth 1");
+  run("cut.press 160 120");
+  run("wait 3");
+  run("cut.release");
+  run("wait 0.5");
+  const std::uint32_t id = bench_->document->scene().shown()[0]->id;
+  bench_->pieces->drag(id, Rigid3{Eigen::Quaterniond::Identity(), {2, 0, 0}});
+  const Image cut = picture();
+  EXPECT_NE(cut.rgba, whole.rgba);
+  run("view.as-loaded on");
+  EXPECT_EQ(picture().rgba, whole.rgba) << "not moved, and nothing is cut";
+  bench_->views->section = across;
+  EXPECT_EQ(picture().rgba, whole_section.rgba);
+  bench_->views->section.reset();
+  run("view.tissue enamel hide");
+  EXPECT_EQ(picture().rgba, whole.rgba) << "all of its tissues";
+  run("view.tissues-all");
+  run("view.as-loaded off");
+  EXPECT_EQ(picture().rgba, cut.rgba);
+  EXPECT_FALSE(runAppCommand(app_, "view.as-loaded", std::vector<std::string>{"maybe"}));
+  bench_->pieces->drag(id, std::nullopt);
+  run("edit.undo");
 }
 
 TEST_F(TissuePicture, MapsSayDepthAndDistanceInMillimetres) {

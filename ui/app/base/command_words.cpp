@@ -27,6 +27,12 @@ Expected<double> numberOr(AppWords words, std::size_t n, double fallback, const 
   return numberOf(words, n, name, low, high);
 }
 
+Expected<bool> onOrOff(AppWords words, bool now) {
+  if (words.empty()) return !now;
+  if (words[0] == "on" || words[0] == "off") return words[0] == "on";
+  return wrongWord("\"" + words[0] + "\"", "on or off");
+}
+
 Expected<std::filesystem::path> pathOf(AppWords words) {
   if (words.empty() || words[0].empty()) return wrongWord("no file", "its path");
   return std::filesystem::path(words[0]);

@@ -18,6 +18,8 @@ tl::unexpected<Error> wrongWord(std::string found, std::string expected, std::st
 Expected<double> numberOf(AppWords words, std::size_t n, const char* name, double low, double high);
 /// The same; `fallback` if the word is missing.
 Expected<double> numberOr(AppWords words, std::size_t n, double fallback, const char* name, double low, double high);
+/// The first word, "on" or "off"; without one the opposite of `now`.
+Expected<bool> onOrOff(AppWords words, bool now);
 /// The first word.
 Expected<std::filesystem::path> pathOf(AppWords words);
 

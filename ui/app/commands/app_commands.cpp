@@ -40,12 +40,8 @@ bool hasSettings(const AppContext& c) { return c.settings != nullptr; }
 
 Expected<void> switchPanel(AppContext& c, AppWords words, std::string_view panel) {
   bool& is_on = c.panels[panel];
-  if (words.empty())
-    is_on = !is_on;
-  else if (words[0] == "on" || words[0] == "off")
-    is_on = words[0] == "on";
-  else
-    return wrongWord("\"" + words[0] + "\"", "on or off");
+  KERF_TRY(wanted, onOrOff(words, is_on));
+  is_on = wanted;
   return {};
 }
 

@@ -71,12 +71,6 @@ Expected<void> invert(AppContext& c, AppWords words) {
 
 ArmLead& armOf(AppContext& c) { return c.bench.device->arm(); }
 
-Expected<bool> onOrOff(AppWords words, bool now) {
-  if (words.empty()) return !now;
-  if (words[0] == "on" || words[0] == "off") return words[0] == "on";
-  return wrongWord("\"" + words[0] + "\"", "on or off");
-}
-
 bool isOpen(const AppContext& c) { return c.bench.device->arm().isOpen(); }
 bool isLeading(const AppContext& c) { return c.bench.device->isLed(); }
 bool isArmed(const AppContext& c) { return c.bench.device->arm().isArmed(); }

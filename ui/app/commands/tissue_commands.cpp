@@ -57,6 +57,13 @@ Expected<void> mapRange(AppContext& c, AppWords words) {
   return {};
 }
 
+Expected<void> asLoaded(AppContext& c, AppWords words) {
+  TissueDisplay& tissues = c.bench.views->tissues();
+  KERF_TRY(is_on, onOrOff(words, tissues.isAsLoadedShown()));
+  tissues.showAsLoaded(is_on);
+  return {};
+}
+
 template <SurfaceColours kOf>
 Expected<void> coloursOf(AppContext& context, AppWords) {
   return context.bench.views->tissues().setColours(kOf);
@@ -66,6 +73,9 @@ constexpr AppCommand kRows[] = {
     {"view.tissue", "", "", "", "NAME show|hide|ghost", "Shows a tissue, hides it, or makes it translucent.",
      hasTissues, look},
     {"view.tissues-all", "View:5", "Show all tissues", "", "", "Shows all tissues.", isAnyHidden, showAll},
+    {"view.as-loaded", "View:5", "Show as loaded (hold key)", "V", "[on|off]",
+     "Shows the object as loaded, without its cuts, while the key is held; from the menu until the next call.",
+     when::isShown, asLoaded},
     {"view.colours", "", "", "", "tissue|scan|depth|distance",
      "Colours the surface by tissue, by scan, by depth below the original surface, or by distance to pulp and nerve "
      "canal. A scan with colours starts with them; its cut areas show the tissue.",

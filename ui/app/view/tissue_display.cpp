@@ -114,6 +114,7 @@ void TissueDisplay::closing() {
   closed.ending_ = std::move(ending_);
   if (meshing_) closed.ending_.push_back(std::move(meshing_));
   if (measuring_) closed.ending_.push_back(std::move(measuring_));
+  if (loading_) closed.ending_.push_back(std::move(loading_));
   for (const auto& job : closed.ending_) job->cancel();
   *this = std::move(closed);
 }
@@ -122,6 +123,10 @@ Expected<void> TissueDisplay::update() {
   std::erase_if(ending_, [](const std::unique_ptr<AnyJob>& job) { return job->isOver(); });
   if (!source_) return {};
   if (measuring_ && measuring_->isOver()) KERF_CHECK(takeDepths());
+  if (loading_ && loading_->isOver()) {
+    KERF_TRY(made, std::exchange(loading_, nullptr)->take());
+    as_loaded_ = std::make_unique<std::vector<MeshChunkPtr>>(std::move(made));
+  }
   if (meshing_ && meshing_->isOver()) KERF_CHECK(takeMeshed());
   is_dropped_ |= meshing_ && areAllShown();  // the window has dropped the chunks handed out
   if (meshing_) return {};
@@ -139,7 +144,7 @@ Expected<void> TissueDisplay::update() {
 
 bool TissueDisplay::isBusy() const {
   if (!source_) return false;
-  return meshing_ || measuring_ || (!areAllShown() && parts_of_ != wanted());
+  return meshing_ || measuring_ || loading_ || (!areAllShown() && parts_of_ != wanted());
 }
 
 // ---- Tissue looks
@@ -200,6 +205,18 @@ bool TissueDisplay::hasPart(TissuePart part) const {
 
 bool TissueDisplay::isOwnSurfaceGhost() const { return hasPart(TissuePart::kSolid) && parts_of_->is_own_ghost; }
 
+// As LiveRun::chooseColours().
+RemesherOptions TissueDisplay::colouring() const {
+  RemesherOptions out;
+  out.finish = [object = source_->object, labels = *labels_, palette = *palette_, scan = source_->scan,
+                original = source_->original](MeshChunk& chunk, const OverlayField& field) {
+    chunk.colours = tissueColours(chunk, labels, palette);
+    if (scan) chunk.scan_colours = scanColours(chunk, *scan, *original);
+    chunk.occlusion = occlusionOf(chunk, field);
+  };
+  return out;
+}
+
 void TissueDisplay::startMeshing() {
   auto view = source_->view();
   if (!view) return;
@@ -209,16 +226,8 @@ void TissueDisplay::startMeshing() {
   }
   meshed_edits_ = source_->edits();
   meshed_objects_ = view->objects.size();
-
-  RemesherOptions options;
-  options.finish = [labels = *labels_, palette = *palette_, scan = source_->scan, original = source_->original](
-                       MeshChunk& chunk, const OverlayField& field) {
-    chunk.colours = tissueColours(chunk, labels, palette);
-    if (scan) chunk.scan_colours = scanColours(chunk, *scan, *original);
-    chunk.occlusion = occlusionOf(chunk, field);
-  };
   meshing_ = std::make_unique<Job<Changes>>(
-      "tissues", [view = std::move(*view), meshers = meshers_, options, loaded = source_->object](
+      "tissues", [view = std::move(*view), meshers = meshers_, options = colouring(), loaded = source_->object](
                      const Progress& progress) { return meshed(view, *meshers, *loaded, options, progress); });
 }
 
@@ -273,6 +282,18 @@ Expected<void> TissueDisplay::takeMeshed() {
 }
 
 std::vector<TissueDisplay::Change> TissueDisplay::takeChanges() { return std::exchange(changes_, {}); }
+
+// ---- As loaded
+
+void TissueDisplay::showAsLoaded(bool is_shown) {
+  is_as_loaded_shown_ = is_shown && source_;
+  if (!is_as_loaded_shown_ || as_loaded_ || loading_) return;
+  loading_ = std::make_unique<Job<std::vector<MeshChunkPtr>>>(
+      "as loaded",
+      [original = source_->original, options = colouring()](const Progress&) -> Expected<std::vector<MeshChunkPtr>> {
+        return Remesher(*original, options).changedSince(0);
+      });
+}
 
 // ---- Colours
 

@@ -143,6 +143,15 @@ class TissueDisplay {
   /// Since the last call.
   std::vector<Change> takeChanges();
 
+  // ---- As loaded
+
+  /// Shows the object in work as in its case: without cuts, whole, where its scan stands. The first call starts a job
+  /// that meshes it: 1 s for a jaw of 300 000 triangles on a core. Its surface stays until the document closes.
+  void showAsLoaded(bool is_shown);
+  bool isAsLoadedShown() const { return is_as_loaded_shown_; }
+  /// Its whole surface, in the frame of loading. Null: not made yet.
+  const std::vector<MeshChunkPtr>* asLoaded() const { return as_loaded_.get(); }
+
   // ---- Colours
 
   /// Tissues in a plane of the object's own frame, as loaded. Empty: nothing is open.
@@ -185,6 +194,7 @@ class TissueDisplay {
   static Expected<Changes> meshed(const SceneView& view, Meshers& meshers, const BakedObject& loaded,
                                   const RemesherOptions& options, const Progress& progress);
   Wanted wanted() const;
+  RemesherOptions colouring() const;
   void startMeshing();
   Expected<void> takeMeshed();
   double nearness(const Vec3d& p) const;
@@ -211,6 +221,10 @@ class TissueDisplay {
   MapScale scale_;
   Depths depths_;
   std::unique_ptr<Job<Depths>> measuring_;
+
+  bool is_as_loaded_shown_ = false;
+  std::unique_ptr<std::vector<MeshChunkPtr>> as_loaded_;
+  std::unique_ptr<Job<std::vector<MeshChunkPtr>>> loading_;
   std::vector<std::unique_ptr<AnyJob>> ending_;  // cancelled; end by themselves
 };
 

@@ -23,6 +23,8 @@ std::size_t numberOf(std::uint32_t object, TissuePart part) {
   return object + (std::size_t{part == TissuePart::kSolid ? 1u : 2u} << 32);
 }
 
+constexpr std::size_t kAsLoaded = std::size_t{3} << 32;  // the object as loaded
+
 // Parts of tissues have numbers beyond those of objects.
 bool isBeside(const Workbench& bench, std::size_t object) {
   if (!bench.document->run() || bench.document->run()->neighbours().empty() || object > UINT32_MAX) return false;
@@ -45,6 +47,7 @@ void LiveView::update(Workbench& bench) {
     placed_.clear();
     sections_.clear();
     parts_.clear();
+    has_as_loaded_ = false;
     known_.clear();
     is_whole_wanted_ = false;
     tints_.clear();
@@ -57,6 +60,7 @@ void LiveView::update(Workbench& bench) {
     for (const MeshChunkPtr& chunk : object.chunks) setChunk(bench, object.id, *chunk);
   takeTissues(bench);
   recolour(bench);
+  takeAsLoaded(bench);
   tintPieces(bench);
   placeObjects(bench);
   showSection(bench);
@@ -79,7 +83,7 @@ void LiveView::setChunk(const Workbench& bench, std::size_t object, const MeshCh
     return renderer_->setChunk(object, chunk, bench.views->tissues().coloursBeside(chunk), chunk.occlusion);
   std::vector<Rgba8> colours = bench.views->tissues().coloursOf(chunk);
   const auto tinted = tints_.find(static_cast<std::uint32_t>(object & UINT32_MAX));
-  if (tinted != tints_.end() && !bench.views->tissues().isMap())
+  if (tinted != tints_.end() && object != kAsLoaded && !bench.views->tissues().isMap())
     if (const PieceColour* const colour = findPieceColour(tinted->second)) tint(colours, *colour);
   renderer_->setChunk(object, chunk, colours, chunk.occlusion);
 }
@@ -104,12 +108,26 @@ void LiveView::takeTissues(Workbench& bench) {
   }
 }
 
+// Uploaded over several frames before it is seen.
+void LiveView::takeAsLoaded(const Workbench& bench) {
+  const auto* const chunks = bench.views->tissues().asLoaded();
+  if (!chunks || !bench.views->tissues().isAsLoadedShown() || std::exchange(has_as_loaded_, true)) return;
+  for (const MeshChunkPtr& chunk : *chunks) setChunk(bench, kAsLoaded, *chunk);
+  renderer_->setVisible(kAsLoaded, false);
+  is_as_loaded_whole_ = false;
+}
+
+bool LiveView::isAsLoadedDrawn(const Workbench& bench) const {
+  return has_as_loaded_ && is_as_loaded_whole_ && bench.views->tissues().isAsLoadedShown();
+}
+
 // Another map: recomputes all colours.
 void LiveView::recolour(const Workbench& bench) {
   if (std::exchange(colours_version_, bench.views->tissues().coloursVersion()) ==
       bench.views->tissues().coloursVersion())
     return;
   for (const SceneObject* object : bench.document->scene().shown()) recolour(bench, *object);
+  has_as_loaded_ = false;
 }
 
 void LiveView::recolour(const Workbench& bench, const SceneObject& object) {
@@ -140,8 +158,10 @@ void LiveView::placeObjects(const Workbench& bench) {
   for (const std::size_t number : std::exchange(placed_, {})) renderer_->setVisible(number, false);
   const TissueDisplay& tissues = bench.views->tissues();
   const bool has_solid = tissues.hasPart(TissuePart::kSolid), is_ghost = tissues.isOwnSurfaceGhost();
+  const bool is_as_loaded = isAsLoadedDrawn(bench);
+  if (is_as_loaded) place(kAsLoaded, {}, true, false);
   for (const SceneObject* object : bench.document->scene().shown()) {
-    const bool is_seen = !object->is_hidden;
+    const bool is_seen = !object->is_hidden && (object->isBeside() || !is_as_loaded);
     if (object->isBeside()) {
       place(object->id, object->pose(), is_seen, object->is_ghost);
       continue;
@@ -156,16 +176,19 @@ void LiveView::placeObjects(const Workbench& bench) {
 void LiveView::showSection(const Workbench& bench) {
   if (!bench.views->section) return;
   const bool has_parts = bench.views->tissues().hasPart(TissuePart::kSolid);
-  for (const SceneObject* object : bench.document->scene().shown()) {
-    if (object->is_hidden) continue;
-    const std::size_t number = has_parts && !object->isBeside() ? numberOf(object->id, TissuePart::kSolid) : object->id;
-    const Rigid3 to_object = object->pose().inverse();
+  const auto show = [&](std::size_t number, const Rigid3& pose, std::size_t loaded) {
+    const Rigid3 to_object = pose.inverse();
     const Plane local{to_object * bench.views->section->point, to_object.rotation * bench.views->section->normal};
     const auto known = sections_.find(number);
-    if (known != sections_.end() && known->second.point == local.point && known->second.normal == local.normal)
-      continue;
+    if (known != sections_.end() && known->second.point == local.point && known->second.normal == local.normal) return;
     sections_[number] = local;
-    renderer_->setSection(number, bench.views->tissues().sectionAt(local, object->loaded));
+    renderer_->setSection(number, bench.views->tissues().sectionAt(local, loaded));
+  };
+  if (isAsLoadedDrawn(bench)) show(kAsLoaded, {}, 0);
+  for (const SceneObject* object : bench.document->scene().shown()) {
+    if (object->is_hidden) continue;
+    const bool is_part = has_parts && !object->isBeside();
+    show(is_part ? numberOf(object->id, TissuePart::kSolid) : object->id, object->pose(), object->loaded);
   }
 }
 
@@ -184,7 +207,7 @@ LiveFrame LiveView::frameOf(const Workbench& bench, const Camera& camera) {
   frame.plan = saw_.planOf(bench, camera);
   if (bench.document->watched() || bench.strokes->isPressed() || bench.device->isLed() || bench.saw->isCutting()) {
     frame.T_world_tool = bench.document->report().output.T_world_tool;
-  } else if (hover_) {
+  } else if (hover_ && !isAsLoadedDrawn(bench)) {
     frame.T_world_tool = hover_->T_world_tool;
     frame.is_ghost = true;
   }
@@ -202,6 +225,7 @@ Expected<void> LiveView::draw(const Workbench& bench, const Camera& camera, int 
     still_.forget();
     KERF_CHECK(renderer_->draw(camera, width, height, frame));
   }
+  is_as_loaded_whole_ |= !isUploading();
   const bool is_final = edges == Edges::kSmooth || (edges == Edges::kByAndBy && still_.isFinal());
   if (is_final && !isUploading()) drawn_ = PictureContent{renderer_->version(), camera, width, height, frame};
   return {};
@@ -213,6 +237,10 @@ bool LiveView::isDrawn(const Workbench& bench, const Camera& camera, int width, 
 }
 
 Expected<Image> LiveView::picture(const Workbench& bench, const Camera& camera, int width, int height) {
+  if (!std::exchange(is_as_loaded_whole_, true)) {
+    placeObjects(bench);
+    showSection(bench);
+  }
   LiveFrame frame = frameOf(bench, camera);
   frame.supersampling = 2;
   return renderer_->picture(camera, width, height, frame);

@@ -61,6 +61,8 @@ class LiveView {
   void showTool(const Workbench& bench);
   void setChunk(const Workbench& bench, std::size_t object, const MeshChunk& chunk);
   void takeTissues(Workbench& bench);
+  void takeAsLoaded(const Workbench& bench);
+  bool isAsLoadedDrawn(const Workbench& bench) const;
   void lookForPieces(const Workbench& bench, const std::vector<ObjectChunks>& changed);
   void recolour(const Workbench& bench);
   void recolour(const Workbench& bench, const SceneObject& object);
@@ -71,8 +73,9 @@ class LiveView {
 
   std::unique_ptr<LiveRenderer> renderer_;
   std::uint64_t generation_ = 0;
-  std::vector<std::size_t> placed_;           // renderer's numbers in the last picture
-  std::map<std::size_t, LiveSurface> parts_;  // of tissues, by their number
+  std::vector<std::size_t> placed_;                          // renderer's numbers in the last picture
+  std::map<std::size_t, LiveSurface> parts_;                 // of tissues, by their number
+  bool has_as_loaded_ = false, is_as_loaded_whole_ = false;  // in the renderer; uploaded
   std::uint64_t colours_version_ = 0;
   std::map<std::uint32_t, std::string> tints_;  // by object, as on the graphics card
   std::map<std::size_t, Plane> sections_;       // by number, in their frames, as they are on the graphics card

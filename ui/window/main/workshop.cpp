@@ -443,7 +443,7 @@ class Workshop {
     // A name typed beside its field runs no commands.
     const bool is_letter = e.key < GLFW_KEY_ESCAPE && (modifiers & ~GLFW_MOD_SHIFT) == 0;
     if (is_letter && !is_text && bench_.exporting->isShown() && !bench_.exporting->isDone()) return;
-    if (!is_text && leadsStroke(e)) return;
+    if (!is_text && (leadsStroke(e) || showsAsLoaded(e))) return;
     for (const AppCommand& command : appCommands()) {
       if (command.key.empty() || keyChord(command.key) != KeyChord{e.key, modifiers}) continue;
       if (is_text && command.id != "app.quit" && !passesText(e.key, modifiers)) return;
@@ -478,8 +478,18 @@ class Workshop {
     return true;
   }
 
-  // The foot pedal ends with its key.
+  // While its key is down.
+  bool showsAsLoaded(const InputEvent& e) {
+    const AppCommand& command = *findAppCommand("view.as-loaded");
+    if (keyChord(command.key) != KeyChord{e.key, e.modifiers} || !command.is_enabled(context_)) return false;
+    if (!e.is_repeated) runIfEnabled(context_, command.id, std::vector<std::string>{"on"});
+    return true;
+  }
+
+  // The foot pedal ends with its key, and so does the look back.
   void keyUp(int key) {
+    if (const AppCommand& back = *findAppCommand("view.as-loaded"); keyChord(back.key).key == key)
+      runIfEnabled(context_, back.id, std::vector<std::string>{"off"});
     if (key == GLFW_KEY_SPACE && bench_.strokes->isOnPedal())
       runIfEnabled(context_, "cut.pedal", std::vector<std::string>{"off"});
   }

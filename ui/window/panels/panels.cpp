@@ -8,6 +8,7 @@
 #include "ui/app/base/language.h"
 #include "ui/app/document/document.h"
 #include "ui/app/document/jobs.h"
+#include "ui/app/document/view_state.h"
 #include "ui/app/workbench/imports.h"
 #include "ui/app/workbench/tool_monitor.h"
 #include "ui/window/frame/job_panel.h"
@@ -40,17 +41,21 @@ void drawScaleBar(const AppContext& context, double pixels) {
                  styleColours().guide_text);
 }
 
-// Reason why the stroke removes nothing, in the middle above the timeline, while it lasts.
-void drawHindrance(const AppContext& context) {
-  const char* const text = context.bench.monitor->hindrance();
+// In the middle above the strip: the object is shown as loaded, or the reason why the stroke removes nothing.
+void drawLabel(const AppContext& context) {
+  const TissueDisplay& tissues = context.bench.views->tissues();
+  const bool is_as_loaded = tissues.isAsLoadedShown();
+  const char* const text = !is_as_loaded        ? context.bench.monitor->hindrance()
+                           : tissues.asLoaded() ? "As loaded"
+                                                : "Preparing the object as loaded...";
   if (!text[0]) return;
   const FrameArea free = frameLayout(context).free;
   ImGui::SetNextWindowPos({free.middle(), free.bottom - scaled(8)}, ImGuiCond_Always, {0.5f, 1});
-  ui::begin("##hindrance", nullptr,
+  ui::begin("##label", nullptr,
             ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove |
                 ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_NoSavedSettings);
   ImGui::PushTextWrapPos(std::min(free.width() - scaled(32), scaled(460)));
-  ui::textColored(styleColours().warning, text);
+  ui::textColored(is_as_loaded ? ImGui::GetStyleColorVec4(ImGuiCol_Text) : styleColours().warning, text);
   ImGui::PopTextWrapPos();
   ImGui::End();
 }
@@ -84,7 +89,7 @@ constexpr Panel kPanels[] = {
     {"measure", "", Screen::kCut, kOwn, [](PanelFrame& f) { drawMeasure(f.context, f.state.pixels); }},
     {"scale", "", Screen::kCut, kOwn, [](PanelFrame& f) { drawScaleBar(f.context, f.state.pixels); }},
     {"tour", "", Screen::kCut, kOwn, [](PanelFrame& f) { drawTour(f.context, f.state.tour_step); }},
-    {"hindrance", "", Screen::kCut, kOwn, [](PanelFrame& f) { drawHindrance(f.context); }},
+    {"label", "", Screen::kAny, kOwn, [](PanelFrame& f) { drawLabel(f.context); }},
     // The last one of a cut: taking a branch ends the session.
     {"timeline", "", Screen::kCut, kOwn, [](PanelFrame& f) { drawTimeline(f.context); }},
     {"edges", "", Screen::kAny, kOwn, [](PanelFrame& f) { drawColumnEdges(f.context); }},
