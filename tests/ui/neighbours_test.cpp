@@ -10,12 +10,15 @@
 #include "preprocess/bake/pair.h"
 #include "sim/run/export/export_bundle.h"
 #include "sim/run/report/replay.h"
+#include "tests/geometry/ball_mesh.h"
 #include "tests/support/places.h"
 #include "tests/ui/block_on_bench.h"
 #include "ui/app/document/document.h"
 #include "ui/app/document/jobs.h"
+#include "ui/app/document/view_state.h"
 #include "ui/app/readout/point_readout.h"
 #include "ui/app/script/app_script.h"
+#include "ui/app/view/tissue_display.h"
 #include "ui/app/workbench/results.h"
 #include "ui/app/workbench/sawing.h"
 #include "ui/app/workbench/scene_neighbours.h"
@@ -148,6 +151,78 @@ TEST_F(NeighboursTest, ItIsSeenAndPointedAtButNotWorkedOn) {
     return out;
   };
   EXPECT_NE(coloursOf(*bench_.document->scene().shown()[0]), coloursOf(*bench_.document->scene().shown()[1]));
+}
+
+// Voxels of 0.1 mm: distances to 0.3 mm are those of the baked field, others good to half a voxel.
+constexpr double kInBand = 0.02, kHalfVoxel = 0.06;
+
+TEST_F(NeighboursTest, ContactMapMeasuresTheGapOfTwoBlocks) {
+  openBoth();
+  TissueDisplay& tissues = bench_.views->tissues();
+  for (const double y : {-1.0, 0.0, 1.0})
+    for (const double away : {0.0, 0.1, 0.25, 1.0, 1.7}) {
+      ASSERT_TRUE(tissues.toNeighbours({3 - away, y, -1.5}));
+      EXPECT_NEAR(*tissues.toNeighbours({3 - away, y, -1.5}), 0.3 + away, away > 0 ? kHalfVoxel : kInBand) << away;
+    }
+  EXPECT_NEAR(*tissues.toNeighbours({3.5, 0, -1.5}), -0.2, kInBand);
+
+  ASSERT_TRUE(runAppCommand(context_, "view.colours", std::vector<std::string>{"contact"}));
+  ASSERT_EQ(tissues.colours(), SurfaceColours::kContact) << "live sessions have the distances";
+  MeshChunk chunk;
+  chunk.vertices = {{3, 0, -1.5f}, {-2.9f, 0, 0}};
+  chunk.colours = {{200, 190, 180, 90}, {200, 190, 180, 90}};
+  const auto near = tissues.coloursOf(chunk);
+  EXPECT_GT(near[0][2], near[0][0]) << "blue";
+  EXPECT_EQ(near[1], chunk.colours[1]) << "the usual colour";
+  // Moved by 0.2 mm the piece is in contact, by 0.5 mm it overlaps.
+  const auto moved = [&](double mm) {
+    return tissues.coloursOf(chunk, {Eigen::Quaterniond::Identity(), {mm, 0, 0}})[0];
+  };
+  EXPECT_GT(moved(0.2)[1], 140) << "orange";
+  EXPECT_LT(moved(0.5)[1], 40) << "red";
+  EXPECT_GT(moved(0.5)[0], 120) << "red";
+}
+
+TEST_F(NeighboursTest, ContactMapMeasuresASphereOverAPlane) {
+  const double radius = 2, gap = 0.1;
+  const fs::path file = folder_.path() / "ball.ply";
+  ASSERT_TRUE(writeMesh(file, ballMesh({0, 0, radius + gap}, radius, 120)));
+  bench_.sessions->openAll({block("36", {0, 0, 0}), file});
+  settle();
+  ASSERT_EQ(bench_.neighbours->list().size(), 1u) << said();
+  for (const double x : {0.0, 0.3, 0.6, 1.0, 1.5})
+    for (const double z : {0.0, 0.2, -0.4}) {
+      const double truth = std::hypot(x, radius + gap - z) - radius;
+      EXPECT_NEAR(*bench_.views->tissues().toNeighbours({x, 0, z}), truth, truth > 0.3 ? kHalfVoxel : kInBand)
+          << x << ' ' << z;
+    }
+}
+
+TEST(ContactColours, AreBandsOfOverlapContactAndNearness) {
+  const Rgba8 usual{220, 210, 190, 255};
+  const MapScale smooth{2, false}, bands{2, true};
+  EXPECT_EQ(contactColour(2, smooth, usual), usual);
+  EXPECT_EQ(contactColour(3, smooth, usual), usual);
+  EXPECT_EQ(contactColour(-0.5, smooth, usual), contactColour(-2, smooth, usual));
+  EXPECT_GT(contactColour(-0.01, smooth, usual)[0], contactColour(-0.4, smooth, usual)[0] + 50) << "darker with depth";
+  EXPECT_EQ(contactColour(0, smooth, usual), contactColour(kContactGap, smooth, usual));
+  for (double mm = 0.25; mm < 1.9; mm += 0.1)
+    EXPECT_LT(contactColour(mm, smooth, usual)[0], contactColour(mm + 0.1, smooth, usual)[0]) << "fades, at " << mm;
+  EXPECT_EQ(contactColour(0.55, bands, usual), contactColour(0.95, bands, usual));
+  EXPECT_NE(contactColour(0.95, bands, usual), contactColour(1.05, bands, usual));
+  const auto legend = legendOf(SurfaceColours::kContact, smooth);
+  ASSERT_TRUE(legend);
+  EXPECT_EQ(legend->colourAt(0), contactColour(-0.5, smooth, {224, 214, 194, 255}));
+  EXPECT_EQ(legend->colourAt(0.4), contactColour(0.1, smooth, {224, 214, 194, 255}));
+  EXPECT_EQ(legendOf(SurfaceColours::kContact, {5, false})->high, "2 mm or more");
+}
+
+// The other jaw stands over the teeth; a tooth of the same arch does not.
+TEST_F(NeighboursTest, ANeighbourOverTheTeethIsInOcclusion) {
+  openBoth();
+  EXPECT_FALSE(bench_.document->isNeighbourTowards({0, 0, 1}));
+  EXPECT_TRUE(bench_.document->isNeighbourTowards({1, 0, 0}));
+  EXPECT_FALSE(bench_.document->isNeighbourTowards({-1, 0, 0})) << "under it";
 }
 
 TEST_F(NeighboursTest, HowNearTheToolIsAndWhatWasCutByAccidentIsSaid) {

@@ -362,11 +362,13 @@ TEST(PictureGrid, NoPlateTouchesAnother) {
 TEST(PictureLegend, ShowsTheMapFromEndToEndAndItsWordsCanBeDrawn) {
   EXPECT_FALSE(legendOf(SurfaceColours::kTissue));
   EXPECT_FALSE(legendOf(SurfaceColours::kScan));
-  for (const SurfaceColours colours : {SurfaceColours::kDepth, SurfaceColours::kDistance}) {
+  for (const SurfaceColours colours : {SurfaceColours::kDepth, SurfaceColours::kDistance, SurfaceColours::kContact}) {
     const std::optional<MapLegend> legend = legendOf(colours);
     ASSERT_TRUE(legend);
     for (const std::string& text : {legend->title, legend->low, legend->high}) EXPECT_TRUE(canBeDrawn(text)) << text;
-    EXPECT_EQ(legend->high, "5 mm or more") << "what lies farther has the colour of the end";
+    for (const MapLegend::Tick& tick : legend->ticks) EXPECT_TRUE(canBeDrawn(tick.text)) << tick.text;
+    EXPECT_EQ(legend->high, colours == SurfaceColours::kContact ? "2 mm or more" : "5 mm or more")
+        << "what lies farther has the colour of the end";
 
     // On black, so that the plate is visible.
     Image image{900, 600, std::vector<std::uint8_t>(4 * 900 * 600, 0)};

@@ -12,11 +12,12 @@ namespace {
 
 constexpr std::array<std::pair<const char*, TissueLook>, 3> kLooks = {
     {{"show", TissueLook::kShow}, {"hide", TissueLook::kHide}, {"ghost", TissueLook::kGhost}}};
-constexpr std::array<std::pair<const char*, SurfaceColours>, 4> kTissueColours = {
+constexpr std::array<std::pair<const char*, SurfaceColours>, 5> kTissueColours = {
     {{"tissue", SurfaceColours::kTissue},
      {"scan", SurfaceColours::kScan},
      {"depth", SurfaceColours::kDepth},
-     {"distance", SurfaceColours::kDistance}}};
+     {"distance", SurfaceColours::kDistance},
+     {"contact", SurfaceColours::kContact}}};
 
 std::string quoted(AppWords words, std::size_t n) {
   return n < words.size() ? "\"" + words[n] + "\"" : std::string("nothing");
@@ -26,6 +27,9 @@ bool hasTissues(const AppContext& c) { return c.bench.document->isShown() && !c.
 bool isAnyHidden(const AppContext& c) { return c.bench.document->isShown() && !c.bench.views->tissues().areAllShown(); }
 bool hasScanColours(const AppContext& c) {
   return c.bench.document->isShown() && c.bench.views->tissues().hasScanColours();
+}
+bool hasNeighbours(const AppContext& c) {
+  return c.bench.document->isShown() && c.bench.views->tissues().hasNeighbours();
 }
 bool hasStructures(const AppContext& c) {
   return c.bench.document->isShown() && c.bench.document->structures() && !c.bench.document->structures()->isEmpty();
@@ -45,7 +49,7 @@ Expected<void> showAll(AppContext& c, AppWords) {
 Expected<void> colours(AppContext& c, AppWords words) {
   for (const auto& [word, colours] : kTissueColours)
     if (!words.empty() && words[0] == word) return c.bench.views->tissues().setColours(colours);
-  return wrongWord(quoted(words, 0), "tissue, scan, depth or distance");
+  return wrongWord(quoted(words, 0), "tissue, scan, depth, distance or contact");
 }
 
 Expected<void> mapRange(AppContext& c, AppWords words) {
@@ -76,13 +80,14 @@ constexpr AppCommand kRows[] = {
     {"view.as-loaded", "View:5", "Show as loaded (hold key)", "V", "[on|off]",
      "Shows the object as loaded, without its cuts, while the key is held; from the menu until the next call.",
      when::isShown, asLoaded},
-    {"view.colours", "", "", "", "tissue|scan|depth|distance",
-     "Colours the surface by tissue, by scan, by depth below the original surface, or by distance to pulp and nerve "
-     "canal. A scan with colours starts with them; its cut areas show the tissue.",
+    {"view.colours", "", "", "", "tissue|scan|depth|distance|contact",
+     "Colours the surface by tissue, by scan, by depth below the original surface, by distance to pulp and nerve "
+     "canal, or by contact with neighbours. A scan with colours starts with them; its cut areas show the tissue.",
      when::isShown, colours},
     {"view.map-range", "", "", "", "MM [bands|smooth]",
-     "Sets the range of the maps of depth and distance, 0.5 to 5 mm; bands: one colour every 0.5 mm.", when::isShown,
-     mapRange},
+     "Sets the range of the maps of depth and distance, 0.5 to 5 mm, of the contact map 1 to 2 mm; bands: one colour "
+     "every 0.5 mm.",
+     when::isShown, mapRange},
     {"view.colours-tissue", "View:4>Colours", "Colour by tissue", "", "", "Colours the surface by tissue.",
      when::isShown, coloursOf<SurfaceColours::kTissue>},
     {"view.colours-scan", "View:4>Colours", "Colour by scan", "", "", "Shows the colours of the scan.", hasScanColours,
@@ -91,6 +96,10 @@ constexpr AppCommand kRows[] = {
      "Colours the surface by depth below the original surface.", when::isShown, coloursOf<SurfaceColours::kDepth>},
     {"view.colours-distance", "View:4>Colours", "Colour by pulp and nerve distance", "", "",
      "Colours the surface by distance to pulp and nerve canal.", hasStructures, coloursOf<SurfaceColours::kDistance>},
+    {"view.colours-contact", "View:4>Colours", "Contact with neighbours", "", "",
+     "Colours the surface by distance to the neighbours as loaded, such as the other jaw: overlap red, contact to "
+     "0.2 mm orange, then blue.",
+     hasNeighbours, coloursOf<SurfaceColours::kContact>},
 };
 
 }  // namespace

@@ -205,7 +205,12 @@ void firstView(AppContext& context, const Camera& otherwise) {
   if (const auto& normal = context.bench.document->occlusal().normal) {
     constexpr double kFromAbove = 1.5;  // rad
     context.camera.upright = uprightFrame(*normal);
-    if (otherwise.elevation > kFromAbove) lookFrom(context.camera, *normal);
+    if (otherwise.elevation > kFromAbove && context.bench.document->isInOcclusion()) {
+      context.camera.elevation = 0;
+      context.camera.azimuth = view_commands::azimuthOfFront(context, context.camera);
+    } else if (otherwise.elevation > kFromAbove) {
+      lookFrom(context.camera, *normal);
+    }
   }
   fitToFree(context, context.bench.document->scene().bounds());
 }

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "sim/run/session/watched_run.h"
@@ -27,6 +29,19 @@ std::string Document::nameOf(Material material) const {
 double Document::removedOf(Material material) const {
   const auto number = static_cast<std::size_t>(material);
   return isShown() && number < report_.removed_by_material.size() ? report_.removed_by_material[number] : 0;
+}
+
+bool Document::isNeighbourTowards(const Vec3d& direction) const {
+  std::vector<std::shared_ptr<const BakedObject>> objects;
+  if (watched_) objects.assign(watched_->objects().begin(), watched_->objects().end());
+  if (run_) {
+    objects.push_back(run_->sharedObject());
+    for (const LiveNeighbour& other : run_->neighbours()) objects.push_back(other.object);
+  }
+  return std::any_of(objects.begin(), objects.end(), [&](const auto& object) {
+    const Vec3d way = object->phi0().bounds().center() - objects.front()->phi0().bounds().center();
+    return way.dot(direction) > std::sqrt(0.5) * way.norm();
+  });
 }
 
 bool Document::send(const Command& command) {

@@ -61,6 +61,10 @@ class Document final : public Part {
   const std::filesystem::path& sessionFolder() const { return session_; }
   /// Best view direction of a scan of several teeth, and the dental arch, in the scan's frame; each may be missing.
   const OcclusalSide& occlusal() const { return occlusal_; }
+  /// A neighbour as loaded stands over the teeth of the object, such as the other jaw; one of the same arch does not.
+  bool isInOcclusion() const { return occlusal_.normal && isNeighbourTowards(*occlusal_.normal); }
+  /// A neighbour as loaded lies in that direction, within 45 degrees between the centres.
+  bool isNeighbourTowards(const Vec3d& direction) const;
   /// Null if nothing is open for cutting.
   LiveRun* run() { return run_.get(); }
   const LiveRun* run() const { return run_.get(); }

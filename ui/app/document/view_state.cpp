@@ -1,5 +1,7 @@
 #include "ui/app/document/view_state.h"
 
+#include <utility>
+
 #include "sim/run/session/watched_run.h"
 
 namespace kerf {
@@ -22,9 +24,10 @@ std::optional<Ray> ViewState::behindSection(const Ray& ray) const {
 }
 
 void ViewState::opened(Opening how) {
-  tissues_.opened(document_.run() ? tissueSourceOf(*document_.run(), document_.sharedStructures())
-                                  : tissueSourceOf(*document_.watched()),
-                  document_.materials());
+  TissueSource source = document_.run() ? tissueSourceOf(*document_.run(), document_.sharedStructures())
+                                        : tissueSourceOf(*document_.watched());
+  if (document_.run()) source.beside_fields = document_.neighbourFields();
+  tissues_.opened(std::move(source), document_.materials());
   if (how == Opening::kReopened) return;
   section.reset();
   measure.clear();

@@ -16,6 +16,7 @@ namespace kerf {
 namespace {
 
 constexpr auto kPause = std::chrono::milliseconds(250);  // between two meshings of the cut
+constexpr double kContactRange = 3;                      // mm: as neighbourFields()
 constexpr double kLeast = 1e-6;                          // mm^3: smaller volumes are no tissue
 constexpr std::uint8_t kMapGloss = 40;                   // matte: shine would read as a value
 
@@ -44,11 +45,51 @@ double MapScale::shareOf(double mm) const {
   return std::clamp((has_bands ? kBand * std::floor(mm / kBand) : mm) / reach_mm, 0.0, 1.0);
 }
 
-std::optional<MapLegend> legendOf(SurfaceColours colours, const MapScale& scale) {
+MapScale scaleOf(SurfaceColours colours, MapScale scale) {
+  if (colours == SurfaceColours::kContact)
+    scale.reach_mm = std::clamp(scale.reach_mm, kLeastContactReach, kMostContactReach);
+  return scale;
+}
+
+Rgba8 contactColour(double mm, const MapScale& scale, const Rgba8& usual) {
+  using Colour = std::array<double, 3>;
+  constexpr Colour kOverlap{216, 24, 40}, kDeep{96, 0, 28}, kTouch{255, 168, 24}, kNear{40, 104, 184};
+  constexpr double kStrongest = 0.85;  // of blue
+  const auto mixed = [&usual](const Colour& a, const Colour& b, double t) {
+    Rgba8 out = usual;
+    for (std::size_t k = 0; k < 3; ++k) out[k] = static_cast<std::uint8_t>(std::lround((1 - t) * a[k] + t * b[k]));
+    return out;
+  };
+  const Colour plain{static_cast<double>(usual[0]), static_cast<double>(usual[1]), static_cast<double>(usual[2])};
+  if (mm < 0) return mixed(kOverlap, kDeep, std::min(mm / kDeepOverlap, 1.0));
+  if (mm <= kContactGap) return mixed(kTouch, kTouch, 0);
+  return mixed(plain, kNear, kStrongest * (1 - scale.shareOf(mm)));
+}
+
+std::optional<MapLegend> legendOf(SurfaceColours colours, const MapScale& wanted) {
+  const MapScale scale = scaleOf(colours, wanted);
   const std::string reach = phrase("{:g} mm or more", scale.reach_mm);
-  if (colours == SurfaceColours::kDepth) return MapLegend{"Below the original surface", "0 mm", reach, false, scale};
-  if (colours != SurfaceColours::kDistance) return {};
-  return MapLegend{"To pulp or nerve canal", "0 mm", reach, true, scale};
+  if (colours == SurfaceColours::kDepth) return MapLegend{"Below the original surface", "0 mm", reach, colours, scale};
+  if (colours == SurfaceColours::kDistance) return MapLegend{"To pulp or nerve canal", "0 mm", reach, colours, scale};
+  if (colours != SurfaceColours::kContact) return {};
+  MapLegend out{"To neighbours", phrase("{:g}", kDeepOverlap), reach, colours, scale};
+  for (const auto& [share, mm] : {std::pair(0.25, 0.0), {0.5, kContactGap}})
+    out.ticks.push_back({share, mm, phrase("{:g}", mm)});
+  return out;
+}
+
+Rgba8 MapLegend::colourAt(double share) const {
+  constexpr Rgba8 kIvory{224, 214, 194, 255};
+  if (of == SurfaceColours::kContact) {
+    Tick from{0, kDeepOverlap, {}}, to{1, scale.reach_mm, {}};
+    for (const Tick& tick : ticks) {
+      if (tick.share <= share) from = tick;
+      if (tick.share > share && tick.share < to.share) to = tick;
+    }
+    return contactColour(std::lerp(from.mm, to.mm, (share - from.share) / (to.share - from.share)), scale, kIvory);
+  }
+  const double shown = scale.shareOf(share * scale.reach_mm);
+  return mapColour(of == SurfaceColours::kDistance ? 1 - shown : shown);
 }
 
 Rgba8 mapColour(double share) {
@@ -114,6 +155,7 @@ void TissueDisplay::closing() {
   closed.ending_ = std::move(ending_);
   if (meshing_) closed.ending_.push_back(std::move(meshing_));
   if (measuring_) closed.ending_.push_back(std::move(measuring_));
+  if (measuring_contacts_) closed.ending_.push_back(std::move(measuring_contacts_));
   if (loading_) closed.ending_.push_back(std::move(loading_));
   for (const auto& job : closed.ending_) job->cancel();
   *this = std::move(closed);
@@ -123,6 +165,7 @@ Expected<void> TissueDisplay::update() {
   std::erase_if(ending_, [](const std::unique_ptr<AnyJob>& job) { return job->isOver(); });
   if (!source_) return {};
   if (measuring_ && measuring_->isOver()) KERF_CHECK(takeDepths());
+  if (measuring_contacts_ && measuring_contacts_->isOver()) KERF_CHECK(takeContacts());
   if (loading_ && loading_->isOver()) {
     KERF_TRY(made, std::exchange(loading_, nullptr)->take());
     as_loaded_ = std::make_unique<std::vector<MeshChunkPtr>>(std::move(made));
@@ -144,7 +187,7 @@ Expected<void> TissueDisplay::update() {
 
 bool TissueDisplay::isBusy() const {
   if (!source_) return false;
-  return meshing_ || measuring_ || loading_ || (!areAllShown() && parts_of_ != wanted());
+  return meshing_ || measuring_ || measuring_contacts_ || loading_ || (!areAllShown() && parts_of_ != wanted());
 }
 
 // ---- Tissue looks
@@ -314,7 +357,27 @@ Expected<void> TissueDisplay::setColours(SurfaceColours colours) {
                  .found = "no colours in the open scan",
                  .expected = "a scan with vertex or face colours, from PLY, OBJ, OFF or 3MF",
                  .hint = "view.colours tissue"});
+  if (colours == SurfaceColours::kContact && !hasNeighbours())
+    return fail({.code = Error::Code::kUnsupported,
+                 .found = "no neighbour of the open object",
+                 .expected = "another jaw or tooth beside it",
+                 .hint = "open both files together, or use file.open-beside"});
   wanted_colours_ = colours;
+  if (colours == SurfaceColours::kContact && source_->beside_fields.empty()) {  // update() continues
+    if (!measuring_contacts_)
+      measuring_contacts_ = std::make_unique<Job<Fields>>(
+          "contacts", [beside = source_->beside](const Progress& progress) -> Expected<Fields> {
+            Fields out;
+            for (const auto& object : beside) {
+              KeepOutOptions reach = depthReach(object->voxel());
+              reach.most_distance = reach.most_depth = std::min(reach.most_distance, kContactRange);
+              KERF_TRY(field, KeepOut::ofSolid(*object, reach, progress));
+              out.push_back(std::move(field));
+            }
+            return out;
+          });
+    return {};
+  }
   if (colours == SurfaceColours::kDepth && !depths_) {  // update() continues
     if (!measuring_)
       measuring_ = std::make_unique<Job<Depths>>(
@@ -340,6 +403,23 @@ Expected<void> TissueDisplay::takeDepths() {
   return setColours(wanted_colours_);
 }
 
+Expected<void> TissueDisplay::takeContacts() {
+  auto fields = std::exchange(measuring_contacts_, nullptr)->take();
+  if (!fields) return fail(std::move(fields).error());
+  source_->beside_fields = std::move(*fields);
+  return setColours(wanted_colours_);
+}
+
+std::optional<double> TissueDisplay::toNeighbours(const Vec3d& world) const {
+  std::optional<double> out;
+  if (!source_) return out;
+  for (const Depths& field : source_->beside_fields) {
+    const double distance = field->distance(world.cast<float>());
+    out = std::min(out.value_or(distance), distance);
+  }
+  return out;
+}
+
 // 1 at the structure, 0 at the reach of the map or of the measurement.
 double TissueDisplay::nearness(const Vec3d& p) const {
   constexpr double kRounding = 1e-4;  // mm
@@ -351,7 +431,17 @@ const std::vector<Rgba8>& TissueDisplay::coloursBeside(const MeshChunk& chunk) c
   return colours_ == SurfaceColours::kScan && !chunk.scan_colours.empty() ? chunk.scan_colours : chunk.colours;
 }
 
-std::vector<Rgba8> TissueDisplay::coloursOf(const MeshChunk& chunk) const {
+std::vector<Rgba8> TissueDisplay::coloursOf(const MeshChunk& chunk, const Rigid3& T_world_object) const {
+  if (colours_ == SurfaceColours::kContact) {
+    std::vector<Rgba8> out = chunk.colours;
+    const MapScale scale = scaleOf(colours_, scale_);
+    for (std::size_t v = 0; v < out.size(); ++v) {
+      const double mm = toNeighbours(T_world_object * Vec3d(chunk.vertices[v].cast<double>())).value_or(kContactRange);
+      out[v] = contactColour(mm, scale, out[v]);
+      if (mm < scale.reach_mm) out[v][3] = kMapGloss;
+    }
+    return out;
+  }
   if (colours_ == SurfaceColours::kTissue || colours_ == SurfaceColours::kScan) return coloursBeside(chunk);
   std::vector<Rgba8> out;
   out.reserve(chunk.vertices.size());

@@ -44,6 +44,7 @@ enum class SurfaceColours {
   kTissue,
   kDepth,     ///< below the surface as loaded
   kDistance,  ///< to pulp and nerve canal
+  kContact,   ///< signed distance to the nearest neighbour, such as the other jaw; the tissue where none is near
   kScan       ///< scanned colours; the tissue where there are none and on cut surfaces
 };
 
@@ -62,16 +63,28 @@ struct MapScale {
   bool operator==(const MapScale&) const = default;
 };
 
+/// Limits of the contact map, mm: the darkest red; contact; the range, which MapScale chooses.
+inline constexpr double kDeepOverlap = -0.5, kContactGap = 0.2, kLeastContactReach = 1, kMostContactReach = 2;
+/// Colour of the contact map: red where the surfaces overlap, darker with depth; orange in contact; blue beyond, which
+/// fades to the usual colour at the reach. The three differ in lightness.
+/// @param mm  signed distance, negative: overlap.   @param usual  without the map.
+Rgba8 contactColour(double mm, const MapScale& scale, const Rgba8& usual);
+
+/// The range that a map uses.
+MapScale scaleOf(SurfaceColours colours, MapScale scale);
+
 /// Legend of a map.
 struct MapLegend {
   std::string title, low, high;  ///< the quantity; its ends, with the unit
-  bool is_dark_first = false;
+  SurfaceColours of = SurfaceColours::kDepth;
   MapScale scale{};
+  struct Tick {
+    double share = 0, mm = 0;
+    std::string text;
+  };
+  std::vector<Tick> ticks{};  ///< between the ends; the scale is linear from one to the next
   /// @param share  0 at `low`, 1 at `high`.
-  Rgba8 colourAt(double share) const {
-    const double shown = scale.shareOf(share * scale.reach_mm);
-    return mapColour(is_dark_first ? 1 - shown : shown);
-  }
+  Rgba8 colourAt(double share) const;
 };
 /// None: colours without a number.
 std::optional<MapLegend> legendOf(SurfaceColours colours, const MapScale& scale = {});
@@ -90,9 +103,11 @@ struct TissueSource {
   std::shared_ptr<const BakedObject> object;                 ///< in work, as loaded
   std::vector<std::shared_ptr<const BakedObject>> beside{};  ///< neighbours
   std::shared_ptr<const BrickField> original;                ///< of the case
-  std::shared_ptr<const Structures> structures;              ///< pulp and nerve canals as loaded
-  std::shared_ptr<const ScanColours> scan;                   ///< of the object; null: its scan has no colours
-  bool has_scan_colours = false;                             ///< the object or a neighbour has them
+  /// Distances to the neighbours, world frame. Empty: measured when needed, from `beside`.
+  std::vector<std::shared_ptr<const KeepOut>> beside_fields{};
+  std::shared_ptr<const Structures> structures;  ///< pulp and nerve canals as loaded
+  std::shared_ptr<const ScanColours> scan;       ///< of the object; null: its scan has no colours
+  bool has_scan_colours = false;                 ///< the object or a neighbour has them
 };
 TissueSource tissueSourceOf(LiveRun& run, std::shared_ptr<const Structures> structures);
 TissueSource tissueSourceOf(const WatchedRun& run);
@@ -161,10 +176,12 @@ class TissueDisplay {
   /// Initially the scan's, if it has any and the object has one tissue.
   SurfaceColours colours() const { return colours_; }
   /// The colours show a number: depth or distance.
-  bool isMap() const { return colours_ == SurfaceColours::kDepth || colours_ == SurfaceColours::kDistance; }
+  bool isMap() const { return colours_ != SurfaceColours::kTissue && colours_ != SurfaceColours::kScan; }
   bool hasScanColours() const { return source_ && source_->has_scan_colours; }
-  /// A job measures depth first: 9 s for a molar at 0.05 mm. Error kUnsupported: a distance map without pulp and nerve
-  /// canal, colours of a scan without any.
+  bool hasNeighbours() const { return source_ && !source_->beside.empty(); }
+  /// A job measures depth first: 9 s for a molar at 0.05 mm; and in replays the distance to neighbours: 14 s for a
+  /// mandible at 0.1 mm. Error kUnsupported: a distance map without pulp and nerve canal, a contact map without
+  /// neighbours, colours of a scan without any.
   Expected<void> setColours(SurfaceColours colours);
   const MapScale& mapScale() const { return scale_; }
   /// @pre reach_mm from kLeast to kMost.
@@ -172,7 +189,12 @@ class TissueDisplay {
   /// Increases when the colours of all chunks change.
   std::uint64_t coloursVersion() const { return colours_version_; }
   /// One per vertex: of the map, of the scan, or the chunk's own.   @cost  30 ns a vertex.
-  std::vector<Rgba8> coloursOf(const MeshChunk& chunk) const;
+  /// @param T_world_object  for the contact map: moved pieces show their contacts where they are.
+  std::vector<Rgba8> coloursOf(const MeshChunk& chunk, const Rigid3& T_world_object = {}) const;
+  /// Distance to the surface of the nearest neighbour as loaded, where its scan stands, mm, negative: inside. Exact to
+  /// a twentieth of a voxel within three voxels, to half a voxel beyond; 3 mm or more count as 3. None: not measured,
+  /// or no neighbours.
+  std::optional<double> toNeighbours(const Vec3d& world) const;
   /// The same for a neighbour: maps cover only the object in work.
   const std::vector<Rgba8>& coloursBeside(const MeshChunk& chunk) const;
 
@@ -190,6 +212,7 @@ class TissueDisplay {
   };
   using Changes = std::vector<Change>;
   using Depths = std::shared_ptr<const KeepOut>;
+  using Fields = std::vector<Depths>;
 
   static Expected<Changes> meshed(const SceneView& view, Meshers& meshers, const BakedObject& loaded,
                                   const RemesherOptions& options, const Progress& progress);
@@ -199,6 +222,7 @@ class TissueDisplay {
   Expected<void> takeMeshed();
   double nearness(const Vec3d& p) const;
   Expected<void> takeDepths();
+  Expected<void> takeContacts();
 
   std::optional<TissueSource> source_;  // none: nothing is open
   std::optional<TissueLabels> labels_;
@@ -221,6 +245,7 @@ class TissueDisplay {
   MapScale scale_;
   Depths depths_;
   std::unique_ptr<Job<Depths>> measuring_;
+  std::unique_ptr<Job<Fields>> measuring_contacts_;
 
   bool is_as_loaded_shown_ = false;
   std::unique_ptr<std::vector<MeshChunkPtr>> as_loaded_;

@@ -51,6 +51,7 @@ void LiveView::update(Workbench& bench) {
     known_.clear();
     is_whole_wanted_ = false;
     tints_.clear();
+    posed_.clear();
     tool_.reset();
     hover_.reset();
     is_fit_wanted_ = !bench.document->keepsView();
@@ -62,6 +63,7 @@ void LiveView::update(Workbench& bench) {
   recolour(bench);
   takeAsLoaded(bench);
   tintPieces(bench);
+  showContacts(bench);
   placeObjects(bench);
   showSection(bench);
   saw_.surfaceChanged(!changed.empty());
@@ -81,7 +83,9 @@ void LiveView::lookForPieces(const Workbench& bench, const std::vector<ObjectChu
 void LiveView::setChunk(const Workbench& bench, std::size_t object, const MeshChunk& chunk) {
   if (isBeside(bench, object))
     return renderer_->setChunk(object, chunk, bench.views->tissues().coloursBeside(chunk), chunk.occlusion);
-  std::vector<Rgba8> colours = bench.views->tissues().coloursOf(chunk);
+  const auto posed = posed_.find(static_cast<std::uint32_t>(object & UINT32_MAX));
+  const Rigid3 pose = posed == posed_.end() || object == kAsLoaded ? Rigid3{} : posed->second;
+  std::vector<Rgba8> colours = bench.views->tissues().coloursOf(chunk, pose);
   const auto tinted = tints_.find(static_cast<std::uint32_t>(object & UINT32_MAX));
   if (tinted != tints_.end() && object != kAsLoaded && !bench.views->tissues().isMap())
     if (const PieceColour* const colour = findPieceColour(tinted->second)) tint(colours, *colour);
@@ -143,6 +147,19 @@ void LiveView::tintPieces(const Workbench& bench) {
     std::string& tint = tints_[object->id];
     if (tint == object->colour) continue;
     tint = object->colour;
+    recolour(bench, *object);
+  }
+}
+
+// A moved piece has other contacts. During a drag it keeps those of its old place.
+void LiveView::showContacts(const Workbench& bench) {
+  if (bench.views->tissues().colours() != SurfaceColours::kContact) return;
+  for (const SceneObject* object : bench.document->scene().shown()) {
+    Rigid3& pose = posed_[object->id];
+    const Rigid3& now = object->T_world_object;
+    if (object->isBeside() || (pose.translation == now.translation && pose.rotation.coeffs() == now.rotation.coeffs()))
+      continue;
+    pose = now;
     recolour(bench, *object);
   }
 }

@@ -67,6 +67,7 @@ class LiveView {
   void recolour(const Workbench& bench);
   void recolour(const Workbench& bench, const SceneObject& object);
   void tintPieces(const Workbench& bench);
+  void showContacts(const Workbench& bench);
   void placeObjects(const Workbench& bench);
   void place(std::size_t object, const Rigid3& pose, bool is_visible, bool is_ghost);
   void showSection(const Workbench& bench);
@@ -78,6 +79,7 @@ class LiveView {
   bool has_as_loaded_ = false, is_as_loaded_whole_ = false;  // in the renderer; uploaded
   std::uint64_t colours_version_ = 0;
   std::map<std::uint32_t, std::string> tints_;  // by object, as on the graphics card
+  std::map<std::uint32_t, Rigid3> posed_;       // poses that their contacts are of
   std::map<std::size_t, Plane> sections_;       // by number, in their frames, as they are on the graphics card
   std::optional<std::size_t> tool_;
   std::optional<ToolOverSurface> hover_;

@@ -248,7 +248,8 @@ void drawGrid(Image& image, const PictureGrid& grid) {
 void drawLegend(Image& image, const MapLegend& legend) {
   const Pen pen(image);
   const double edge = 8 * pen.unit, bar = 6 * pen.unit, line = 9 * pen.unit;
-  const double width = pen.unit * std::max({100.0, widthOf(legend.title), widthOf(legend.low + legend.high) + 12});
+  const double width = pen.unit * std::max({100.0, widthOf(legend.title), widthOf(legend.low + legend.high) + 12,
+                                            legend.ticks.empty() ? 0.0 : 2.5 * widthOf(legend.high)});
   const double bottom = image.height - edge, margin = 3 * pen.unit;
   fill(image, {edge - margin, bottom - 2 * line - bar - margin}, {edge + width + margin, bottom + margin},
        kPlateCoverage, kPlate);
@@ -257,6 +258,9 @@ void drawLegend(Image& image, const MapLegend& legend) {
   for (int x = 0; x < static_cast<int>(width); ++x)
     fill(image, {edge + x, bottom - line - bar}, {edge + x + 1, bottom - line}, 1, legend.colourAt((x + 0.5) / width));
   drawText(image, legend.low, {edge, bottom}, pen.unit, pen.width);
+  for (const MapLegend::Tick& tick : legend.ticks)
+    drawText(image, tick.text, {edge + width * tick.share - 0.5 * pen.unit * widthOf(tick.text), bottom}, pen.unit,
+             pen.width);
   drawText(image, legend.high, {edge + width - pen.unit * widthOf(legend.high), bottom}, pen.unit, pen.width);
 }
 

@@ -67,14 +67,15 @@ struct ColoursRow {
   const char* word;  // of the command
   const char* text;
 };
-constexpr std::array<ColoursRow, 4> kColours = {
-    {{SurfaceColours::kTissue, "tissue", "tissue"},
-     {SurfaceColours::kScan, "scan", "scan colours"},
-     {SurfaceColours::kDepth, "depth", "depth"},
-     {SurfaceColours::kDistance, "distance", "distance to pulp and nerve"}}};
+constexpr std::array<ColoursRow, 5> kColours = {{{SurfaceColours::kTissue, "tissue", "tissue"},
+                                                 {SurfaceColours::kScan, "scan", "scan colours"},
+                                                 {SurfaceColours::kDepth, "depth", "depth"},
+                                                 {SurfaceColours::kDistance, "distance", "distance to pulp and nerve"},
+                                                 {SurfaceColours::kContact, "contact", "contact with neighbours"}}};
 
 bool isPossible(const AppContext& context, SurfaceColours colours) {
   if (colours == SurfaceColours::kScan) return findAppCommand("view.colours-scan")->is_enabled(context);
+  if (colours == SurfaceColours::kContact) return context.bench.views->tissues().hasNeighbours();
   return colours != SurfaceColours::kDistance || findAppCommand("view.colours-distance")->is_enabled(context);
 }
 
@@ -96,16 +97,18 @@ void drawTissueColours(AppContext& context) {
 // From 0 at the left to the reach of the map, in the colours of the surface.
 void drawLegend(AppContext& context) {
   const TissueDisplay& tissues = context.bench.views->tissues();
-  const MapScale& scale = tissues.mapScale();
-  const std::optional<MapLegend> legend = legendOf(tissues.colours(), scale);
+  const std::optional<MapLegend> legend = legendOf(tissues.colours(), tissues.mapScale());
   if (!legend) return;
+  const MapScale& scale = legend->scale;
+  const bool is_contact = legend->of == SurfaceColours::kContact;
   const auto set = [&context](double reach, bool has_bands) {
     runTissues(context, "view.map-range", {fmt::format("{:.1f}", reach), has_bands ? "bands" : "smooth"});
   };
   auto reach = static_cast<float>(scale.reach_mm);
   ImGui::SetNextItemWidth(-1);
-  if (ui::sliderFloat("##reach", &reach, static_cast<float>(MapScale::kLeast), static_cast<float>(MapScale::kMost),
-                      "range %.1f mm", ImGuiSliderFlags_AlwaysClamp))
+  if (ui::sliderFloat("##reach", &reach, static_cast<float>(is_contact ? kLeastContactReach : MapScale::kLeast),
+                      static_cast<float>(is_contact ? kMostContactReach : MapScale::kMost), "range %.1f mm",
+                      ImGuiSliderFlags_AlwaysClamp))
     set(static_cast<double>(reach), scale.has_bands);
   if (bool has_bands = scale.has_bands; ui::checkbox("Bands of 0.5 mm", &has_bands)) set(scale.reach_mm, has_bands);
   ui::textColored(styleColours().quiet, legend->title);
@@ -120,15 +123,22 @@ void drawLegend(AppContext& context) {
   }
   ImGui::Dummy({width, height});
   ui::text(legend->low);
+  const float left = ImGui::GetCursorPosX();
+  for (const MapLegend::Tick& tick : legend->ticks) {
+    ImGui::SameLine(left + width * static_cast<float>(tick.share) - 0.5f * ui::textSize(tick.text).x);
+    ui::text(tick.text);
+  }
   ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - ui::textSize(legend->high).x);
   ui::text(legend->high);
+  if (is_contact) ui::textColored(styleColours().quiet, "Below 0: overlap. To 0.2 mm: contact.");
 }
 
 }  // namespace
 
 bool areTissuesNeeded(const AppContext& context) {
   const TissueDisplay& tissues = context.bench.views->tissues();
-  return tissues.all().size() > 1 || tissues.hasScanColours() || tissues.colours() != SurfaceColours::kTissue;
+  return tissues.all().size() > 1 || tissues.hasScanColours() || tissues.hasNeighbours() ||
+         tissues.colours() != SurfaceColours::kTissue;
 }
 
 void drawTissues(AppContext& context) {
