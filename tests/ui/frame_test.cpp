@@ -91,6 +91,15 @@ std::vector<const ImGuiWindow*> windows() {
   return out;
 }
 
+// Numbers with a decimal point among drawn texts.
+std::string pointsIn(const std::string& words) {
+  const auto isDigit = [&](std::size_t n) { return n < words.size() && words[n] >= '0' && words[n] <= '9'; };
+  std::string out;
+  for (std::size_t at = words.find('.'); at != words.npos; at = words.find('.', at + 1))
+    if (at > 0 && isDigit(at - 1) && isDigit(at + 1)) out += words.substr(at > 20 ? at - 20 : 0, 40) + "\n";
+  return out;
+}
+
 // In every size and language: no window overlaps another one, no text is cut off, tall content scrolls.
 void Frame::lookEverywhere() {
   context_.settings = &settings_;
@@ -109,8 +118,14 @@ void Frame::lookEverywhere() {
       bench_.notices->complain({.code = Error::Code::kBadValue, .found = "an error", .expected = "none"});
       context_.width = static_cast<int>(size.x);
       context_.height = static_cast<int>(size.y);
-      for (int frame = 0; frame < 4; ++frame) imgui.draw([&] { drawPanels(context_, panels, {}); });
+      std::string words;
+      for (int frame = 0; frame < 4; ++frame) words = imgui.draw([&] { drawPanels(context_, panels, {}); });
       EXPECT_EQ(imgui.cutLetters(), "");
+      if (shownDecimalSign() == ',') {
+        EXPECT_EQ(pointsIn(words), "");
+      } else if (scale == 1) {
+        EXPECT_NE(pointsIn(words), "") << "there are numbers to look at";
+      }
 
       const auto all = windows();
       EXPECT_GE(all.size(), 3u);

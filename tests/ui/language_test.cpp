@@ -67,6 +67,20 @@ TEST_F(LanguageTest, APhraseHasItsValuesWhereTheTranslationHasThem) {
   EXPECT_EQ(phrase("Only {}", "arch"), "Only arch");
 }
 
+TEST_F(LanguageTest, NumbersHaveTheDecimalSignOfTheLanguageAndNamesStay) {
+  EXPECT_EQ(phrase("{:.2f} mm of {}", 1.5, "scan-2.5.stl"), "1.50 mm of scan-2.5.stl");
+  show(row("{:.2f} mm of {}", "{1}: {0:.2f} mm"));
+  EXPECT_EQ(phrase("{:.2f} mm of {}", 1.5, "scan-2.5.stl"), "scan-2.5.stl: 1.50 mm") << "a point without a header";
+
+  ASSERT_TRUE(showLanguage("de", folder_.path()));
+  EXPECT_EQ(shownDecimalSign(), ',');
+  EXPECT_EQ(phrase("about {:.1f} m of {}", 2.25f, "scan-2.5.stl"), "about 2,2 m of scan-2.5.stl");
+  EXPECT_EQ(shownNumbers("{:+7.1f} {:g} {:.{}f} {}", 1.25, 1e-7, 0.5, 2, 3), "   +1,2 1e-07 0,50 3");
+  EXPECT_EQ(withDecimalSign("depth 0.25 mm..."), "depth 0,25 mm...");
+  const std::string header = "msgid \"\"\nmsgstr \"charset=UTF-8\\nX-Language-Name: T\\nX-Decimal-Sign: ";
+  EXPECT_NE(errorOf(header + ";\\n\"\n").find("a comma or a point"), std::string::npos);
+}
+
 TEST_F(LanguageTest, MarkedEachTextStandsInMarksOnce) {
   setShownLanguage(std::make_shared<const Language>(Language::marking()));
   EXPECT_EQ(shownText("Cancel"), "«Cancel»");

@@ -83,6 +83,37 @@ std::string unmarked(const std::string& words) {
   return out;
 }
 
+TEST_F(LanguageWindow, ASliderShowsAndTakesADecimalComma) {
+  ASSERT_TRUE(showLanguage("de", config_.path()));
+  float value = 1.25f;
+  const auto draw = [&] {
+    return imgui_.draw([&] {
+      ImGui::SetNextWindowPos({0, 0});
+      ImGui::SetNextWindowSize({300, 100});
+      ui::begin("w");
+      ui::sliderFloat("##mm", &value, 0, 5, "%.2f mm");
+      ImGui::End();
+    });
+  };
+  ImGuiIO& io = ImGui::GetIO();
+  draw();
+  EXPECT_NE(draw().find("1,25mm"), std::string::npos);
+  io.MousePos = {100, 40};
+  io.KeyCtrl = true;
+  io.KeyMods = ImGuiKeyModFlags_Ctrl;
+  draw();
+  io.MouseDown[0] = true;  // types instead of dragging
+  draw();
+  io.MouseDown[0] = io.KeyCtrl = false;
+  io.KeyMods = ImGuiKeyModFlags_None;
+  draw();
+  for (const char letter : {'3', ',', '5'}) {
+    io.AddInputCharacter(static_cast<unsigned char>(letter));
+    draw();
+  }
+  EXPECT_FLOAT_EQ(value, 3.5f);
+}
+
 // As a row of the menu does.
 TEST_F(LanguageWindow, APanelThatEndsTheSessionLeavesTheOthersNothingToRead) {
   static const Panel kEnds = {"end", "", Screen::kAny, PanelPlace::kOwn,

@@ -139,6 +139,14 @@ Expected<Language> Language::read(const fs::path& file) {
       if (row.translated.find("charset=UTF-8") == std::string::npos || begin == std::string::npos) break;
       out.name_ = row.translated.substr(begin + kName.size());
       out.name_.resize(std::min(out.name_.find('\n'), out.name_.size()));
+      constexpr std::string_view kSign = "X-Decimal-Sign: ";
+      if (const std::size_t sign = row.translated.find(kSign); sign != std::string::npos) {
+        const std::string_view rest = std::string_view(row.translated).substr(sign + kSign.size());
+        const std::string_view given = rest.substr(0, rest.find('\n'));
+        if (given != "," && given != ".")
+          return wrong(Error::Code::kBadValue, place, "X-Decimal-Sign: " + std::string(given), "a comma or a point");
+        out.decimal_sign_ = given[0];
+      }
       if (out.name_.size() > 60 || out.name_.find("##") != std::string::npos)
         return wrong(Error::Code::kBadValue, place, out.name_, "X-Language-Name: at most 60 bytes, without ##");
     } else if (!row.translated.empty() && !row.is_fuzzy) {
@@ -205,6 +213,20 @@ std::string shownKey(std::string_view key) {
   const std::size_t plus = key.find('+');
   if (whole != key || plus == key.npos) return whole;
   return shownText(key.substr(0, plus)) + "+" + shownKey(key.substr(plus + 1));
+}
+
+char shownDecimalSign() {
+  const auto language = shownLanguage();
+  return language ? language->decimalSign() : '.';
+}
+
+std::string withDecimalSign(std::string number) {
+  const char sign = shownDecimalSign();
+  for (std::size_t n = 1; n + 1 < number.size(); ++n)
+    if (number[n] == '.' && std::isdigit(static_cast<unsigned char>(number[n - 1])) &&
+        std::isdigit(static_cast<unsigned char>(number[n + 1])))
+      number[n] = sign;
+  return number;
 }
 
 std::string shownPhrase(fmt::string_view english, fmt::format_args values) {

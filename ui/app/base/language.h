@@ -6,14 +6,16 @@
 // docs/guide/languages.md.
 #pragma once
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <filesystem>
 #include <map>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <type_traits>
 
 #include "geometry/base/error.h"
 
@@ -34,12 +36,15 @@ class Language {
 
   /// Name in the language itself.
   const std::string& name() const { return name_; }
+  /// Of shown numbers: the header X-Decimal-Sign, a comma or a point; a point without it.
+  char decimalSign() const { return decimal_sign_; }
   std::size_t size() const { return texts_.size(); }
   /// Translation of the whole text; else unchanged. Blanks and line breaks at the ends stay.
   std::string shown(std::string_view english) const;
 
  private:
   std::string name_;
+  char decimal_sign_ = '.';
   bool is_marking_ = false;
   std::map<std::string, std::string, std::less<>> texts_;
 };
@@ -57,12 +62,41 @@ std::string shownLabel(std::string_view label);
 /// A key with its modifiers, "Ctrl+Shift+P": translated whole, or part by part.
 std::string shownKey(std::string_view key);
 
+/// The decimal sign of the shown language.
+char shownDecimalSign();
+/// A number as the user reads it.
+struct ShownNumber {
+  double value = 0;
+  char sign = '.';
+};
+template <class T>
+decltype(auto) asShown(T& value, char sign) {
+  if constexpr (std::is_floating_point_v<std::remove_cvref_t<T>>)
+    return ShownNumber{static_cast<double>(value), sign};
+  else
+    return (value);
+}
+
 std::string shownPhrase(fmt::string_view english, fmt::format_args values);
-/// A sentence with values: translates the format, not the values. {0} and {1} allow another order.
+/// A sentence with values: translates the format, not the values. {0} and {1} allow another order. Numbers get the
+/// decimal sign of the language: for the window, not for files and commands.
 template <class... A>
 std::string phrase(fmt::format_string<A...> english, A&&... values) {
-  return shownPhrase(english, fmt::make_format_args(values...));
+  const char sign = shownDecimalSign();
+  const auto shown = [english](const auto&... v) { return shownPhrase(english, fmt::make_format_args(v...)); };
+  return shown(asShown(values, sign)...);
 }
+/// Numbers without words, or with units only: as phrase(), without a translation.
+template <class... A>
+std::string shownNumbers(fmt::format_string<A...> format, A&&... values) {
+  const char sign = shownDecimalSign();
+  const auto shown = [&](const auto&... v) {
+    return fmt::vformat(fmt::string_view(format), fmt::make_format_args(v...));
+  };
+  return shown(asShown(values, sign)...);
+}
+/// For a number that another library has formatted: its points between digits become the decimal sign.
+std::string withDecimalSign(std::string number);
 
 // ---- Files
 
@@ -74,3 +108,14 @@ std::map<std::string, std::filesystem::path> findLanguages(const std::filesystem
 Expected<void> showLanguage(const std::string& id, const std::filesystem::path& config_folder);
 
 }  // namespace kerf
+
+/// Takes the format of a double.
+template <>
+struct fmt::formatter<kerf::ShownNumber> : fmt::formatter<double> {
+  auto format(const kerf::ShownNumber& number, fmt::format_context& context) const {
+    fmt::memory_buffer text;
+    fmt::format_context plain(fmt::appender(text), context.args(), context.locale());
+    fmt::formatter<double>::format(number.value, plain);
+    return std::replace_copy(text.begin(), text.end(), context.out(), '.', number.sign);
+  }
+};

@@ -305,8 +305,8 @@ std::vector<Finding> ImportPlan::findings() const {
   // Size and unit: the most frequent and worst errors.
   const Vec3d size = unit().size_mm;
   out.push_back({unit().is_plausible ? Weight::kFine : Weight::kDoubtful, "Size",
-                 fmt::format("{:.1f} x {:.1f} x {:.1f} mm{}", size[0], size[1], size[2],
-                             shownText(unit().is_plausible ? "" : ": not a dental size. Check the unit"))});
+                 shownNumbers("{:.1f} x {:.1f} x {:.1f} mm{}", size[0], size[1], size[2],
+                              shownText(unit().is_plausible ? "" : ": not a dental size. Check the unit"))});
   const double scale = unit().scale_to_mm;
   const std::string scaling = scale == 1 ? shownText("Not scaled") : phrase("Scaled by {:g}", scale);
   out.push_back({unit_is_doubtful_ ? Weight::kDoubtful : Weight::kFine, "Unit",

@@ -203,8 +203,8 @@ std::vector<Finding> LabelPlan::findings() const {
   const LabelVolume& v = *found_.volume;
   std::vector<Finding> out;
   out.push_back({LabelWeight::kFine, "Volume",
-                 fmt::format("{}, {} x {} x {} voxels of {:.3g} x {:.3g} x {:.3g} mm", found_.format, v.size[0],
-                             v.size[1], v.size[2], v.spacing[0], v.spacing[1], v.spacing[2])});
+                 shownNumbers("{}, {} x {} x {} voxels of {:.3g} x {:.3g} x {:.3g} mm", found_.format, v.size[0],
+                              v.size[1], v.size[2], v.spacing[0], v.spacing[1], v.spacing[2])});
   const Vec3d size = found_.box.size();
   const double across = size.norm();
   out.push_back({across > 3 && across < 400 ? LabelWeight::kFine : LabelWeight::kDoubtful, "Size",

@@ -18,6 +18,7 @@
 #include "geometry/tool/tool_file.h"
 #include "geometry/tool/tool_template.h"
 #include "preprocess/close/close.h"
+#include "ui/app/base/language.h"
 
 namespace kerf {
 namespace {
@@ -300,7 +301,7 @@ bool ToolPlan::isDoubtful() const {
 std::vector<Finding> ToolPlan::findings() const {
   const ToolWay& now = way();
   std::vector<Finding> out;
-  const std::string tip = fmt::format("{:.3g} mm wide at the tip, shank towards {}", now.tip_width_mm, now.name);
+  const std::string tip = shownNumbers("{:.3g} mm wide at the tip, shank towards {}", now.tip_width_mm, now.name);
   if (is_chosen_)
     out.push_back({Finding::Weight::kFine, "Axis", tip});
   else if (isDoubtful())

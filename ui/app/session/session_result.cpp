@@ -24,7 +24,7 @@ std::string volumesText(const RunReport& r, const MaterialTable& materials) {
   const char* between = ": ";
   for (const auto& [id, volume] : r.removed_by_material) {
     if (std::abs(volume) < kWorthSaying) continue;
-    out += fmt::format("{}{} {:.3f}", between, nameIn(materials, id), volume);
+    out += shownNumbers("{}{} {:.3f}", between, nameIn(materials, id), volume);
     between = ", ";
   }
   return out + "\n";

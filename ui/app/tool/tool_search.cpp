@@ -25,7 +25,7 @@ std::string allWordsOf(const Tool& tool) {
                                kindName(tool.kind), also, tool.iso6360, size));
 }
 
-// "1.40" finds 1.4 mm.
+// "1.40" finds 1.4 mm, and so does "1,4".
 bool isDiameter(const std::string& word, const Tool& tool) {
   double mm = 0;
   const auto [end, failed] = std::from_chars(word.data(), word.data() + word.size(), mm);
@@ -38,8 +38,11 @@ bool isDiameter(const std::string& word, const Tool& tool) {
 bool matchesSearch(const Tool& tool, std::string_view search) {
   const std::string all = allWordsOf(tool);
   std::istringstream words{lowerCase(std::string(search))};
-  for (std::string word; words >> word;)
+  for (std::string word; words >> word;) {
+    if (all.find(word) != std::string::npos) continue;
+    std::replace(word.begin(), word.end(), ',', '.');
     if (all.find(word) == std::string::npos && !isDiameter(word, tool)) return false;
+  }
   return true;
 }
 

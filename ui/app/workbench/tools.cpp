@@ -106,7 +106,7 @@ void Tools::toolChanged() {
   run.thread().heatBy(in_hand_, samples(), heatSource(held()));
   const auto coarse = tooCoarseFor(held(), run.original()->voxel(), Held::kByHand);
   if (!coarse || !told_thin_.insert(held().id).second) return;
-  bench_.notices->say(fmt::format("{}. Use voxels of {:.2g} mm.", coarse->what, coarse->finer_mm));
+  bench_.notices->say(shownNumbers("{}. Use voxels of {:.2g} mm.", coarse->what, coarse->finer_mm));
 }
 
 std::optional<FinerVoxels> Tools::finerVoxels() const {

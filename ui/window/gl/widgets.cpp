@@ -85,13 +85,31 @@ bool selectable(const Words& label, bool is_selected, ImGuiSelectableFlags flags
 }
 
 bool sliderFloat(const Words& label, float* value, float low, float high, const char* format, ImGuiSliderFlags flags) {
-  return ImGui::SliderFloat(label.label().c_str(), value, low, high, shownText(format).c_str(), flags);
+  const std::string id = label.label(), text = shownText(format);
+  const ImGuiID number = ImGui::GetCurrentWindow()->GetID(id.c_str());
+  const auto isTyped = [number] { return ImGui::TempInputIsActive(number); };
+  if (isTyped()) {  // Dear ImGui knows the point only
+    for (ImWchar& typed : ImGui::GetIO().InputQueueCharacters)
+      if (typed == ',') typed = '.';
+    return ImGui::SliderFloat(id.c_str(), value, low, high, text.c_str(), flags);
+  }
+  if (shownDecimalSign() == '.') return ImGui::SliderFloat(id.c_str(), value, low, high, text.c_str(), flags);
+  ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(0, 0, 0, 0));
+  const bool is_changed = ImGui::SliderFloat(id.c_str(), value, low, high, text.c_str(), flags);
+  ImGui::PopStyleColor();
+  if (isTyped() || !ImGui::IsItemVisible()) return is_changed;
+  std::array<char, 128> shown{};
+  std::snprintf(shown.data(), shown.size(), text.c_str(), static_cast<double>(*value));
+  ImGui::RenderTextClipped(ImGui::GetItemRectMin(), ImGui::GetItemRectMax(), withDecimalSign(shown.data()).c_str(),
+                           nullptr, nullptr, {0.5f, 0.5f});
+  return is_changed;
 }
 
 // Dear ImGui's field drops a decimal comma: "2,5" would become 25.
 bool inputFloat(const Words& label, float* value, const char* format, ImGuiInputTextFlags flags) {
   std::array<char, 48> text{};
   std::snprintf(text.data(), text.size(), shownText(format).c_str(), static_cast<double>(*value));
+  withDecimalSign(text.data()).copy(text.data(), text.size() - 1);
   if (!ImGui::InputText(label.label().c_str(), text.data(), text.size(), flags | ImGuiInputTextFlags_AutoSelectAll))
     return false;
   std::replace(text.begin(), text.end(), ',', '.');

@@ -50,7 +50,7 @@ void axisBar(const char* name, double share) {
                       ImGui::GetColorU32(styleColours().accent), 2);
   ImGui::Dummy({width, height});
   ImGui::SameLine();
-  ui::text(fmt::format("{:+.2f}", share));
+  ui::text(shownNumbers("{:+.2f}", share));
 }
 
 void drawButtons(std::uint64_t down, std::initializer_list<const char*> names) {
@@ -121,14 +121,14 @@ void drawState(const ArmView& view) {
 
 void drawHand(const ArmView& view) {
   const Vec3d& p = view.hand.pose.translation;
-  line("Hand", fmt::format("{:+7.1f} {:+7.1f} {:+7.1f} mm", p[0], p[1], p[2]));
+  line("Hand", shownNumbers("{:+7.1f} {:+7.1f} {:+7.1f} mm", p[0], p[1], p[2]));
   drawReach(view, {"from above", 0, 1});
   ImGui::SameLine();
   drawReach(view, {"from the front", 0, 2});
   const Vec3d size = view.reached.isEmpty() ? Vec3d(Vec3d::Zero()) : view.reached.size();
-  line("Range used", fmt::format("{:.0f} x {:.0f} x {:.0f} mm", size[0], size[1], size[2]));
+  line("Range used", shownNumbers("{:.0f} x {:.0f} x {:.0f} mm", size[0], size[1], size[2]));
   line("in the scene",
-       fmt::format("{:.0f} x {:.0f} x {:.0f} mm", view.scale * size[0], view.scale * size[1], view.scale * size[2]));
+       shownNumbers("{:.0f} x {:.0f} x {:.0f} mm", view.scale * size[0], view.scale * size[1], view.scale * size[2]));
   drawButtons(view.hand.buttons, {"pedal", "clutch", "3", "4"});
 }
 
@@ -137,15 +137,15 @@ void drawSafety(const ArmView& view) {
   const float share = static_cast<float>(view.felt.force.norm() / std::max(view.most_force, 0.01));
   ui::progressBar(view.is_leading ? share : 0, {-1, 0},
                   phrase("{:.2f} of max. {:.2g} N", view.felt.force.norm(), view.most_force));
-  line("Fade-in", fmt::format("{:.0f} %", 100 * view.felt.ramp));
+  line("Fade-in", shownNumbers("{:.0f} %", 100 * view.felt.ramp));
   if (view.felt.has_fault)
     line("Limits", "invalid force: OFF", &colours.warning);
   else
     line("Limits", view.felt.is_clamped ? "limiting the force" : "no limit active",
          view.felt.is_clamped ? &colours.warning : nullptr);
   const bool is_old = view.felt.age_ms > 1000 * ForceArm::kDeadMan;
-  line("Data age", fmt::format("{:.1f} ms", view.felt.age_ms), is_old ? &colours.warning : nullptr);
-  line("p50 p99 p99.9", fmt::format("{:.2f}  {:.2f}  {:.2f} ms", view.age_p50_ms, view.age_p99_ms, view.age_p999_ms));
+  line("Data age", shownNumbers("{:.1f} ms", view.felt.age_ms), is_old ? &colours.warning : nullptr);
+  line("p50 p99 p99.9", shownNumbers("{:.2f}  {:.2f}  {:.2f} ms", view.age_p50_ms, view.age_p99_ms, view.age_p999_ms));
   line("Frames", phrase("{} received, {} rejected", view.counts.hands, view.counts.refused));
 }
 

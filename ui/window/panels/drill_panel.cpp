@@ -64,7 +64,7 @@ void drawHolePlace(AppContext& context, DrillPanelState& state, const std::optio
   const std::optional<Hole>& hole = context.bench.drill->hole();
   if (hole && state.shown != hole->entry) {
     state.shown = hole->entry;
-    setHoleText(state.place, fmt::format("{:.1f} {:.1f}", readout->place[0], readout->place[1]));
+    setHoleText(state.place, shownNumbers("{:.1f} {:.1f}", readout->place[0], readout->place[1]));
   }
   // While a typed hole is drilled, the next place is awaited. A window that appears may take the keys away.
   if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape))) state.is_typed = false;
@@ -89,7 +89,7 @@ void drawHoleDepth(AppContext& context, DrillPanelState& state) {
   const Drilling& drill = *context.bench.drill;
   if (state.shown_depth != drill.depth()) {
     state.shown_depth = drill.depth();
-    setHoleText(state.depth, fmt::format("{:g}", drill.depth()));
+    setHoleText(state.depth, shownNumbers("{:g}", drill.depth()));
   }
   bool is_through = drill.isThrough();
   if (holeField("Depth in mm", state.depth, scaled(48))) {
@@ -185,7 +185,7 @@ void drawHole(AppContext& context, const HoleReadout& readout, double pixels) {
   const Vec3d foot = to_world * Vec3d(box.min[0] + readout.place[0], box.min[1], height);
   const auto label = [&](const Vec3d& from, const Vec3d& to, double mm) {
     line(from, to, kDimension);
-    const std::string text = fmt::format("{:.1f}", mm);
+    const std::string text = shownNumbers("{:.1f}", mm);
     const ImVec2 middle = at(0.5 * (from + to)), size = ui::textSize(text);
     draw->AddRectFilled({middle.x - 4, middle.y - 2}, {middle.x + size.x + 4, middle.y + size.y + 2}, kHoleEdge, 4);
     ui::addText(*draw, middle, kDimension, text);

@@ -69,7 +69,7 @@ void drawFindings(const std::vector<Finding>& findings) {
 
 void drawUnit(AppContext& context, const ImportPlan& plan, const UnitOption& option) {
   const auto length = [](double mm) {
-    return mm < 1 || mm >= 1e4 ? fmt::format("{:.3g}", mm) : fmt::format("{:.1f}", mm);
+    return mm < 1 || mm >= 1e4 ? shownNumbers("{:.3g}", mm) : shownNumbers("{:.1f}", mm);
   };
   const std::string label = fmt::format("{}###unit-{}", option.unit, option.unit);
   if (ui::radioButton(label, option.unit == plan.unit().unit)) runImport(context, "import.unit", {option.unit});
@@ -284,7 +284,7 @@ void drawLabel(AppContext& context, const LabelPlan& plan, const LabelFound& lab
   if (ImGui::IsItemHovered()) ui::setTooltip(phrase("label {}, {}", label.label, label.called()));
 
   ImGui::TableNextColumn();
-  const std::string volume = fmt::format("{:.4g} mm3", label.volume_mm3);
+  const std::string volume = shownNumbers("{:.4g} mm3", label.volume_mm3);
   ui::text(volume);
 
   ImGui::TableNextColumn();
@@ -480,7 +480,7 @@ void drawImportGuides(const AppContext& context, double pixels) {
       const ImVec2 middle{0.5f * (a.x + b.x), 0.5f * (a.y + b.y)};
       if (middle.y > lowest.y) lowest = middle;
     }
-    drawWords(list, lowest, fmt::format("{:.1f} mm", box.size()[axis]));
+    drawWords(list, lowest, shownNumbers("{:.1f} mm", box.size()[axis]));
   }
 
   if (const ToolPlan* const tool = set->tool()) {

@@ -35,7 +35,7 @@ void drawMeasure(AppContext& context, double pixels) {
     draw->AddLine(at[n], at[n + 1], kEdge, 4);
     draw->AddLine(at[n], at[n + 1], kLine, 2);
     const ImVec2 middle{0.5f * (at[n].x + at[n + 1].x) + 8, 0.5f * (at[n].y + at[n + 1].y) - 8};
-    const std::string text = fmt::format("{:.2f} mm", measure.distance(n));
+    const std::string text = shownNumbers("{:.2f} mm", measure.distance(n));
     const ImVec2 size = ui::textSize(text);
     draw->AddRectFilled({middle.x - 4, middle.y - 2}, {middle.x + size.x + 4, middle.y + size.y + 2}, kEdge, 4);
     ui::addText(*draw, middle, kLine, text);

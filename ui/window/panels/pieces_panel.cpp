@@ -163,8 +163,8 @@ void drawPieces(AppContext& context) {
       ImGui::SetCursorPosX(ImGui::GetCursorPosX() + scaled(12));
     }
     const std::string volume =
-        fmt::format("{:.{}f} mm3{}", piece->surface.volume(), piece->surface.volume() < 100 ? 1 : 0,
-                    shownText(piece->isMoved() ? ", moved" : ""));
+        shownNumbers("{:.{}f} mm3{}", piece->surface.volume(), piece->surface.volume() < 100 ? 1 : 0,
+                     shownText(piece->isMoved() ? ", moved" : ""));
     if (ui::selectable(ui::asItIs(piece->name), bench.pieces->isSelected(piece->id), 0, {scaled(90), 0}))
       chooseByClick(*bench.pieces, *piece);
     if (ImGui::IsItemClicked(ImGuiMouseButton_Right)) {

@@ -16,7 +16,7 @@ void drawPlot(const Trace& trace, const Trace::About& channel) {
   const float newest = trace.newest(channel.channel);
   ui::textColored(styleColours().quiet, channel.name);
   ui::sameLineAt(scaled(118));
-  ui::text(fmt::format("{:.2f} {}", newest, shownText(channel.unit)));
+  ui::text(shownNumbers("{:.2f} {}", newest, shownText(channel.unit)));
   const std::string scale = phrase("0 to {:g}", top);
   ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - ui::textSize(scale).x);
   ui::textColored(styleColours().quiet, scale);

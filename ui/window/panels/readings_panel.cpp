@@ -28,8 +28,8 @@ void drawPoint(const AppContext& context, bool is_over) {
     point = readoutAt(context.bench, rayUnder(context.camera, at[0], at[1], context.width, context.height));
   }
   const Vec3d p = point ? point->point : Vec3d(Vec3d::Zero());
-  reading("Point", point ? fmt::format("{:.2f}, {:.2f}, {:.2f}", p[0], p[1], p[2]) : "-", "");
-  reading("Thickness", point && point->thickness_mm ? fmt::format("{:.2f}", *point->thickness_mm) : "-", "mm");
+  reading("Point", point ? shownNumbers("{:.2f}, {:.2f}, {:.2f}", p[0], p[1], p[2]) : "-", "");
+  reading("Thickness", point && point->thickness_mm ? shownNumbers("{:.2f}", *point->thickness_mm) : "-", "mm");
   reading("Tissue", point && !point->tissue.empty() ? point->tissue : "-", "");
 }
 
@@ -44,8 +44,8 @@ void drawNearStructure(const Workbench& bench, const std::optional<ToolOverSurfa
   if (!near) return reading(label.c_str(), "-", "mm");
   if (near->is_far) return reading(label.c_str(), phrase("over {:.0f}", near->distance_mm), "mm");
   if (near->distance_mm < 0)
-    return reading(label.c_str(), fmt::format("{:.2f}", -near->distance_mm), "mm inside", true);
-  reading(label.c_str(), fmt::format("{:.2f}", near->distance_mm), near->is_stopped ? "mm, stopped" : "mm",
+    return reading(label.c_str(), shownNumbers("{:.2f}", -near->distance_mm), "mm inside", true);
+  reading(label.c_str(), shownNumbers("{:.2f}", near->distance_mm), near->is_stopped ? "mm, stopped" : "mm",
           near->is_stopped || near->distance_mm < kClose);
 }
 
@@ -61,13 +61,13 @@ void drawNeighbours(const Workbench& bench, const std::optional<ToolOverSurface>
   else if (near->is_far)
     reading(label.c_str(), phrase("over {:.0f}", near->distance_mm), "mm");
   else if (near->distance_mm < 0)
-    reading(label.c_str(), fmt::format("{:.2f}", -near->distance_mm), "mm inside", true);
+    reading(label.c_str(), shownNumbers("{:.2f}", -near->distance_mm), "mm inside", true);
   else
-    reading(label.c_str(), fmt::format("{:.2f}", near->distance_mm), near->is_stopped ? "mm, stopped" : "mm",
+    reading(label.c_str(), shownNumbers("{:.2f}", near->distance_mm), near->is_stopped ? "mm, stopped" : "mm",
             near->is_stopped || near->distance_mm < kClose);
   for (const Neighbour& other : all)
     if (other.removed_mm3 > 0)
-      reading(phrase("Cut off {}", other.name).c_str(), fmt::format("{:.3f}", other.removed_mm3), "mm3", true);
+      reading(phrase("Cut off {}", other.name).c_str(), shownNumbers("{:.3f}", other.removed_mm3), "mm3", true);
 }
 
 }  // namespace
@@ -75,8 +75,8 @@ void drawNeighbours(const Workbench& bench, const std::optional<ToolOverSurface>
 void drawLoop(PanelFrame& frame) {
   constexpr double kLeastHz = 995;
   const ToolMonitor::Loop& loop = frame.context.bench.monitor->loop();
-  reading("Loop", loop.hz ? fmt::format("{:.0f}", *loop.hz) : "-", "Hz", loop.hz && *loop.hz < kLeastHz);
-  if (loop.p99_ms) reading("Tick p99", fmt::format("{:.2f}", *loop.p99_ms), "ms");
+  reading("Loop", loop.hz ? shownNumbers("{:.0f}", *loop.hz) : "-", "Hz", loop.hz && *loop.hz < kLeastHz);
+  if (loop.p99_ms) reading("Tick p99", shownNumbers("{:.2f}", *loop.p99_ms), "ms");
   reading("Overruns", fmt::format("{}", loop.overruns), phrase("of {}", loop.ticks).c_str());
 }
 
@@ -90,14 +90,14 @@ void drawReadings(PanelFrame& frame) {
   const auto tip = bench.monitor->tipDepth();
   const auto depth = tip ? tip : over ? std::optional(over->depth) : std::nullopt;
 
-  reading(tip ? "Depth of the tip" : "Depth", depth ? fmt::format("{:.2f}", *depth) : "-", "mm");
+  reading(tip ? "Depth of the tip" : "Depth", depth ? shownNumbers("{:.2f}", *depth) : "-", "mm");
   drawNearStructure(bench, over);
   drawNeighbours(bench, over);
-  reading("Force", fmt::format("{:.2f}", r.output.force.force.norm()), "N");
-  reading("Spindle", fmt::format("{:.0f}", 100 * speed), turns,
+  reading("Force", shownNumbers("{:.2f}", r.output.force.force.norm()), "N");
+  reading("Spindle", shownNumbers("{:.0f}", 100 * speed), turns,
           bench.strokes->isPressed() && speed < 0.05 && r.output.normal_load > 0);
   drawHeat(bench);
-  reading("Removed", fmt::format("{:.2f}", bench.document->removedMm3()), "mm3");
+  reading("Removed", shownNumbers("{:.2f}", bench.document->removedMm3()), "mm3");
   drawPoint(context, over.has_value());
   if (r.is_latched)
     ui::textColored(styleColours().warning, bench.device->isLed() ? "Stopped: waiting for the device."

@@ -44,7 +44,7 @@ void drawSpeeds(AppContext& context, const WatchMoment& now) {
   static constexpr Row kRows[] = {
       {"0.25x", "0.25", 0.25}, {"0.5x", "0.5", 0.5}, {"1x", "1", 1},    {"2x", "2", 2},
       {"4x", "4", 4},          {"8x", "8", 8},       {"16x", "16", 16}, {"fastest", "fastest", WatchedRun::kFastest}};
-  std::string shown = fmt::format("{:g}x", now.speed);
+  std::string shown = shownNumbers("{:g}x", now.speed);
   for (const Row& row : kRows)
     if (row.speed == now.speed) shown = row.label;
   ImGui::SetNextItemWidth(scaled(90));
@@ -107,7 +107,7 @@ void drawStepUnder(const WatchedRun& run, std::size_t sample) {
                           kTick * static_cast<double>(step.begin)));
     return;
   }
-  ui::setTooltip(fmt::format("{:.1f} s", kTick * static_cast<double>(sample)));
+  ui::setTooltip(shownNumbers("{:.1f} s", kTick * static_cast<double>(sample)));
 }
 
 // The scrub bar follows a dragging mouse; it jumps when the mouse has moved.
@@ -161,10 +161,10 @@ void drawReplayMoment(PanelFrame& frame) {
   const Workbench& bench = frame.context.bench;
   const HapticReport& report = bench.document->report();
   reading("Tool", bench.tools->at(bench.tools->inHand()).id, "");
-  reading("Force", fmt::format("{:.2f}", report.output.force.force.norm()), "N");
-  reading("Spindle", fmt::format("{:.0f}", 100 * bench.monitor->driveShare()), "%");
+  reading("Force", shownNumbers("{:.2f}", report.output.force.force.norm()), "N");
+  reading("Spindle", shownNumbers("{:.0f}", 100 * bench.monitor->driveShare()), "%");
   drawHeat(bench);
-  reading("Removed", fmt::format("{:.2f}", bench.document->removedMm3()), "mm3");
+  reading("Removed", shownNumbers("{:.2f}", bench.document->removedMm3()), "mm3");
   reading("Pieces", fmt::format("{}", report.object_count), "");
 }
 

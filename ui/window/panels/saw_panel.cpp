@@ -53,7 +53,7 @@ void drawProgress(AppContext& context, const SawingStatus& status) {
   ui::text(phrase("Sawing {}", status.plane));
   const std::string done = phrase("{:.0f} % of the plane", std::floor(100 * status.share));
   ui::progressBar(static_cast<float>(status.share), {-1, 0}, done);
-  std::string line = fmt::format("{:.0f} s", status.seconds);
+  std::string line = shownNumbers("{:.0f} s", status.seconds);
   if (status.left_s && !status.is_stopping) line += phrase(", about {:.0f} s left", std::ceil(*status.left_s));
   ui::textColored(styleColours().quiet, line);
   const std::string volumes = phrase("{:.1f} of {:.1f} mm3", status.removed_mm3, status.planned_mm3);
@@ -118,8 +118,8 @@ void drawSteppers(AppContext& context) {
   stepper(context, "Turn", "by 1 degree", "saw.turn", kStepDegrees);
   stepper(context, "Tilt", "by 1 degree", "saw.tilt", kStepDegrees);
   stepper(context, "Approach", "by 5 degrees", "saw.approach", 5 * kStepDegrees);
-  stepper(context, "Width", fmt::format("{:.1f} mm", plane.width), "saw.width", 5 * kStepMm, plane.width);
-  stepper(context, "Depth", fmt::format("{:.1f} mm", plane.depth), "saw.depth", 5 * kStepMm, plane.depth);
+  stepper(context, "Width", shownNumbers("{:.1f} mm", plane.width), "saw.width", 5 * kStepMm, plane.width);
+  stepper(context, "Depth", shownNumbers("{:.1f} mm", plane.depth), "saw.depth", 5 * kStepMm, plane.depth);
   if (ui::button("Fit to bone and blade", {-1, 0})) runSaw(context, "saw.fit");
 }
 

@@ -26,7 +26,7 @@ constexpr float kIcon = 30, kRowGap = 2, kStar = 18;
 constexpr int kToolRows = 10;
 
 std::string sizeOf(const Tool& tool) {
-  if (tool.head_diameter_mm > 0) return fmt::format("{:.1f} mm", tool.head_diameter_mm);
+  if (tool.head_diameter_mm > 0) return shownNumbers("{:.1f} mm", tool.head_diameter_mm);
   if (tool.kind == ToolKind::kBlade) return phrase("kerf {:.2f}", tool.kerfWidth());
   return "";
 }
@@ -230,7 +230,7 @@ void drawAxis(AppContext& context) {
   constexpr double kDegree = std::numbers::pi / 180;
   const auto& occlusal = context.bench.document->occlusal().normal;
   const double lean = std::acos(std::clamp(axis->dot(occlusal.value_or(Vec3d::UnitZ())), -1.0, 1.0)) / kDegree;
-  const std::string value = fmt::format("{:.3f}, {:.3f}, {:.3f}", (*axis)[0], (*axis)[1], (*axis)[2]);
+  const std::string value = shownNumbers("{:.3f}, {:.3f}, {:.3f}", (*axis)[0], (*axis)[1], (*axis)[2]);
   ui::text(occlusal ? phrase("{:.1f} deg from occlusal: {}", lean, value)
                     : phrase("{:.1f} deg from z: {}", lean, value));
   std::optional<std::string> from;

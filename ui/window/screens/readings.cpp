@@ -26,11 +26,11 @@ void drawHeat(const Workbench& bench) {
   const HeatReport& heat = bench.document->report().heat;
   if (!heat.is_known) return reading("Temperature", "-", "°C");
   const HeatReading under = heatOfSurface(heat, bench.document->report().output.material);
-  reading("Temperature", fmt::format("{:.0f}", under.celsius), "°C", under.is_warning);
+  reading("Temperature", shownNumbers("{:.0f}", under.celsius), "°C", under.is_warning);
   for (const Structures::Structure& structure : bench.document->structures()->all()) {
     const HeatReading kept = heatOfKept(heat, structure.material);
     const std::string name = phrase("  of {}", shownText(bench.document->nameOf(structure.material)));
-    reading(name.c_str(), fmt::format("{:.1f}", kept.celsius), "°C", kept.is_warning);
+    reading(name.c_str(), shownNumbers("{:.1f}", kept.celsius), "°C", kept.is_warning);
   }
 }
 

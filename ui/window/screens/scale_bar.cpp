@@ -15,7 +15,7 @@ void drawScaleBarAt(const ImVec2& at, const Camera& camera, int width, int heigh
   list.AddLine({left, at.y - 5}, {left, at.y + 5}, ink, 2);
   list.AddLine({at.x, at.y - 5}, {at.x, at.y + 5}, ink, 2);
 
-  const std::string text = fmt::format("{:g} mm", length) + shownText(camera.isPerspective() ? " at the focus" : "");
+  const std::string text = shownNumbers("{:g} mm", length) + shownText(camera.isPerspective() ? " at the focus" : "");
   const ImVec2 size = ui::textSize(text);
   ui::addText(list, {0.5f * (left + at.x - size.x), at.y - 5 - size.y}, ink, text);
 }
