@@ -156,6 +156,7 @@ TEST_F(Frame, NorWhileAHoleIsPlanned) {
   ASSERT_TRUE(runAppCommand(context_, "drill.plan"));
   ASSERT_TRUE(runAppCommand(context_, "drill.click", wordsOf({200, 150})));
   ASSERT_TRUE(runAppCommand(context_, "tool.hold-axis"));
+  ASSERT_TRUE(runAppCommand(context_, "view.as-loaded"));
   lookEverywhere();
 }
 

@@ -41,7 +41,8 @@ void drawScaleBar(const AppContext& context, double pixels) {
                  styleColours().guide_text);
 }
 
-// In the middle above the strip: the object is shown as loaded, or the reason why the stroke removes nothing.
+// Above the scale bar, beside the tour: the object is shown as loaded. Else in the middle above the strip: the reason
+// why the stroke removes nothing.
 void drawLabel(const AppContext& context) {
   const TissueDisplay& tissues = context.bench.views->tissues();
   const bool is_as_loaded = tissues.isAsLoadedShown();
@@ -50,11 +51,14 @@ void drawLabel(const AppContext& context) {
                                                 : "Preparing the object as loaded...";
   if (!text[0]) return;
   const FrameArea free = frameLayout(context).free;
-  ImGui::SetNextWindowPos({free.middle(), free.bottom - scaled(8)}, ImGuiCond_Always, {0.5f, 1});
+  if (is_as_loaded)
+    ImGui::SetNextWindowPos({free.right - scaled(8), free.bottom - scaled(44)}, ImGuiCond_Always, {1, 1});
+  else
+    ImGui::SetNextWindowPos({free.middle(), free.bottom - scaled(8)}, ImGuiCond_Always, {0.5f, 1});
   ui::begin("##label", nullptr,
             ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove |
                 ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_NoSavedSettings);
-  ImGui::PushTextWrapPos(std::min(free.width() - scaled(32), scaled(460)));
+  ImGui::PushTextWrapPos(std::min((is_as_loaded ? 0.3f : 1) * free.width() - scaled(32), scaled(460)));
   ui::textColored(is_as_loaded ? ImGui::GetStyleColorVec4(ImGuiCol_Text) : styleColours().warning, text);
   ImGui::PopTextWrapPos();
   ImGui::End();
