@@ -225,6 +225,7 @@ bool Session::canDelete(const DeleteObjects& command) const noexcept {
 bool Session::perform(const DeleteObjects& command) {
   static_assert(kMostObjects <= ObjectSet::kMost);
   if (!canDelete(command)) return false;
+  if (is_stroke_) endStroke();
   closeStep();  // an undo step of its own
   watches_.clear();
   history_.erase(state_.objects, command.objects.bits, room_ ? std::move(room_) : prepareDeletion());

@@ -154,7 +154,12 @@ TEST_F(ExportPlanTest, NothingIsReplacedAtTheFirstWord) {
   EXPECT_NE(refused.error().message().find("an existing file"), std::string::npos) << refused.error().message();
   EXPECT_EQ(fs::file_size(besideScan("bar-cut.stl")), 4u);
   EXPECT_TRUE(plan_.asksToReplace()) << "a button, or Enter, asked for once more";
-  plan_.setName("bar-cut.stl", plan_.file().parent_path());
+  const fs::path before = plan_.file();
+  for (const char* const typed : {"jaw", "jaw.off", "jaw.offset"}) plan_.setName(typed, before);
+  EXPECT_EQ(plan_.file(), before.parent_path() / "jaw.offset.stl") << "the ending stays through all that is typed";
+  plan_.setName("/elsewhere/jaw", before);
+  EXPECT_EQ(plan_.file(), "/elsewhere/jaw.stl") << "a whole path is taken";
+  plan_.setName("bar-cut.stl", before);
   EXPECT_FALSE(plan_.asksToReplace()) << "another name is another question";
   plan_.write();
   EXPECT_TRUE(plan_.asksToReplace());
@@ -236,7 +241,7 @@ TEST_F(ExportPlanTest, AFileThatIsWrittenIsToldWhateverWasChosenMeanwhile) {
   // The same for a changed name.
   plan_.write();
   ASSERT_TRUE(bench_.jobs->running());
-  plan_.setName("other.stl", plan_.file().parent_path());
+  plan_.setName("other.stl", plan_.file());
   ASSERT_TRUE(play("wait\n")) << allNotices();
   EXPECT_TRUE(fs::exists(besideScan("bar-cut-piece-1.stl")));
   EXPECT_NE(allNotices().find("bar-cut-piece-1.stl"), std::string::npos) << allNotices();

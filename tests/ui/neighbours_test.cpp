@@ -348,6 +348,33 @@ TEST_F(NeighboursTest, OneIsPlacedBesideWhatIsCutAlreadyAndStaysWithAnotherTool)
   EXPECT_TRUE(bench_.strokes->over(from(6, 0)));
 }
 
+TEST_F(NeighboursTest, TakenAwayFromAnUncutObjectItStaysAway) {
+  openBoth();
+  ASSERT_EQ(bench_.neighbours->list().size(), 1u);
+  const std::uint64_t generation = bench_.document->generation();
+  ASSERT_TRUE(runAppCommand(context_, "neighbour.remove", std::vector<std::string>{"35"}));
+  until([&] { return !bench_.jobs->running() && bench_.document->generation() != generation; });
+  EXPECT_TRUE(bench_.neighbours->list().empty()) << said();
+  EXPECT_FALSE(bench_.strokes->over(from(6, 0)));
+
+  // Nor does another tool bring it back.
+  const std::uint64_t again = bench_.document->generation();
+  bench_.sessions->reopen({});
+  until([&] { return !bench_.jobs->running() && bench_.document->generation() != again; });
+  EXPECT_TRUE(bench_.neighbours->list().empty()) << said();
+}
+
+TEST_F(NeighboursTest, BesideACutItIsNotTakenAway) {
+  openBoth();
+  ASSERT_TRUE(runAppCommand(context_, "saw.plane", std::vector<std::string>{"0", "0.3", "-1", "0", "1", "0"}));
+  ASSERT_TRUE(runAppCommand(context_, "plane.cut", std::vector<std::string>{"above"}));
+  until([&] { return bench_.steps->done() == 1; });
+  const auto gone = runAppCommand(context_, "neighbour.remove", std::vector<std::string>{"35"});
+  ASSERT_FALSE(gone);
+  EXPECT_EQ(gone.error().code, Error::Code::kUnsupported);
+  EXPECT_EQ(bench_.neighbours->list().size(), 1u);
+}
+
 TEST_F(NeighboursTest, WhatHardlyFitsTheFrameIsSaid) {
   const struct {
     const char* name;

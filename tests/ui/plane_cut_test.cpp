@@ -71,6 +71,19 @@ TEST_F(CutAtOnce, ExportsTheMeshOfKerfTrimToTheBit) {
   EXPECT_TRUE(replayed->is_same && replayed->is_whole) << replayed->note;
 }
 
+TEST_F(CutAtOnce, ThePlanIsHiddenAsLongAsItsCutIsDone) {
+  ASSERT_TRUE(command("saw.plane", {"0.13", "0", "-0.2", "1", "0.1", "0.05"}));
+  EXPECT_FALSE(bench_.saw->isPlanSpent());
+  ASSERT_TRUE(cut("above"));
+  until([&] { return bench_.saw->isPlanSpent(); });
+  ASSERT_TRUE(command("edit.undo"));
+  until([&] { return !bench_.saw->isPlanSpent(); });
+  ASSERT_TRUE(command("edit.redo"));
+  until([&] { return bench_.saw->isPlanSpent(); });
+  ASSERT_TRUE(command("saw.move", {"0.1"}));
+  EXPECT_FALSE(bench_.saw->isPlanSpent());
+}
+
 TEST_F(CutAtOnce, BothPartsAreExportedAndAContinuedSessionHasBoth) {
   ASSERT_TRUE(command("saw.plane", {"0.13", "0", "-0.2", "1", "0", "0"}));
   const SawPlane plane = *bench_.saw->plan().chosen();

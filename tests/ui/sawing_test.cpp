@@ -10,6 +10,7 @@
 #include "geometry/formats/mesh_io.h"
 #include "geometry/formats/mesh_writer.h"
 #include "geometry/mesh/mesh_check.h"
+#include "sim/run/files/run_manifest.h"
 #include "sim/run/report/replay.h"
 #include "tests/support/temporary_folder.h"
 #include "ui/app/commands/app_commands.h"

@@ -79,13 +79,14 @@ class WithoutCrumbs {
     const std::vector<PieceBricks> pieces = bricksOfPieces(finder, list.pieces.size());
     for (const PieceBricks& piece : pieces)
       for (const BrickEdit& edit : piece.changed) {
+        if (field_.valuesAt(edit.brick)) continue;
         BrickValues values = edit.phi;
         for (const PieceBricks& other : pieces) addPiece(other, edit.brick, finder, values);
         field_.add(edit.brick, values);
       }
   }
 
-  /// What is left of a value after the crumbs are dropped.
+  /// A value after the crumbs are dropped.
   float valueAt(const Vec3i& brick, std::size_t node, float value) const {
     const BrickValues* const known = field_.valuesAt(brick);
     return known ? std::max(value, (*known)[node]) : value;

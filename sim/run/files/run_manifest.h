@@ -28,8 +28,9 @@
 namespace kerf {
 
 inline constexpr const char* kRunManifest = "run.toml";
-inline constexpr const char* kModeGeometry = "geometry";  ///< the tool removed its swept volume
-inline constexpr const char* kModeHaptic = "haptic";      ///< cut against resistance, by the 1 kHz step
+inline constexpr const char* kSawPlanFile = "saw-plan.toml";  ///< planes planned in the window, beside the manifest
+inline constexpr const char* kModeGeometry = "geometry";      ///< the tool removed its swept volume
+inline constexpr const char* kModeHaptic = "haptic";          ///< cut against resistance, by the 1 kHz step
 inline constexpr const char* kModeSession = "session";  ///< the same by a person: many strokes, several tools, no path
 
 struct RunManifest {

@@ -48,8 +48,9 @@ struct LiveRunOptions {
   /// Neighbours stand where their scans stand. The tool meets them, and cuts of them are recorded. At most
   /// LiveRun::kMostNeighbours. When continuing a run: further ones, after those of that run.
   std::vector<CaseBeside> beside;
-  bool is_felt = false;       ///< the device renders force
-  bool is_looked_at = false;  ///< chunks of the surface get colours and occlusion
+  std::vector<std::string> without;  ///< ids of cases that the user took away from beside it: kept for the next opening
+  bool is_felt = false;              ///< the device renders force
+  bool is_looked_at = false;         ///< chunks of the surface get colours and occlusion
 };
 
 /// Chunks of one object that changed.
@@ -118,6 +119,7 @@ class LiveRun {
   const std::filesystem::path& folder() const noexcept { return folder_; }
   const std::filesystem::path& caseFolder() const noexcept { return case_folder_; }
   const std::filesystem::path& from() const noexcept { return options_.from; }
+  const std::vector<std::string>& without() const noexcept { return options_.without; }
   const CaseManifest& caseManifest() const noexcept { return case_; }
   const BakedObject& object() const noexcept { return *object_; }
   /// The same, for work that may outlive the run.

@@ -199,6 +199,9 @@ Expected<RunManifest> writeBranch(const fs::path& run_folder, const Recording& r
   for (const std::size_t n : recording.damaged_tools) out.tools[n].sha256 = recording.manifest.tools[n].sha256;
   out.begin_sha256 = recording.manifest.begin_sha256;
   if (!out.begin_sha256.empty()) KERF_CHECK(copyFile(run_folder / internal::kRunBegin, folder / internal::kRunBegin));
+  std::error_code ignored;
+  if (fs::is_regular_file(run_folder / kSawPlanFile, ignored))
+    KERF_CHECK(copyFile(run_folder / kSawPlanFile, folder / kSawPlanFile));
 
   const PieceLabels labels = internal::labelsOf(run_folder, recording.manifest);
   if (!labels.empty()) KERF_CHECK(writePieceLabels(folder, labels));

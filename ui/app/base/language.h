@@ -82,7 +82,7 @@ std::string shownPhrase(fmt::string_view english, fmt::format_args values);
 /// decimal sign of the language: for the window, not for files and commands.
 template <class... A>
 std::string phrase(fmt::format_string<A...> english, A&&... values) {
-  const char sign = shownDecimalSign();
+  [[maybe_unused]] const char sign = shownDecimalSign();
   const auto shown = [english](const auto&... v) { return shownPhrase(english, fmt::make_format_args(v...)); };
   return shown(asShown(values, sign)...);
 }

@@ -49,6 +49,11 @@ Expected<void> workOn(AppContext& c, AppWords words) {
   return {};
 }
 
+Expected<void> removeNeighbour(AppContext& c, AppWords words) {
+  KERF_TRY(object, neighbourOf(c, words, 0));
+  return c.bench.neighbours->remove(object->loaded);
+}
+
 Expected<void> look(AppContext& c, AppWords words) {
   if (words.size() < 2) return wrongWord("too few words", "a neighbour, then show, ghost or hide");
   KERF_TRY(object, neighbourOf(c, words, 0));
@@ -91,6 +96,9 @@ constexpr AppCommand kRows[] = {
     {"neighbour.work-on", "Piece", "Switch to neighbour", "", "[NEIGHBOUR]",
      "Ends the session and opens the case of the neighbour. The previous object becomes its neighbour.",
      hasNeighboursAndIdle, workOn},
+    {"neighbour.remove", "Piece", "Remove neighbour", "", "[NEIGHBOUR]",
+     "Takes a neighbour away from an object without cuts: the tool no longer touches it. Its file stays.",
+     hasNeighboursAndIdle, removeNeighbour},
 };
 
 }  // namespace

@@ -183,7 +183,11 @@ Expected<std::vector<CaseBeside>> prepareBeside(const fs::path& case_folder, con
   const auto partner = partnerOf(case_folder, manifest);
   std::error_code ignored;
   const auto isPartner = [&](const CaseBeside& other) { return fs::equivalent(other.folder, *partner, ignored); };
-  if (partner && std::none_of(found.begin(), found.end(), isPartner)) {
+  const auto isWithout = [&](const fs::path& folder) {
+    const auto known = readCaseManifest(folder);
+    return known && std::find(options.without.begin(), options.without.end(), known->id) != options.without.end();
+  };
+  if (partner && std::none_of(found.begin(), found.end(), isPartner) && !isWithout(*partner)) {
     found.push_back({*partner, freeName(nameOf(*partner), out.name, found)});
     out.sources_beside.push_back(*partner);
     out.notes.push_back(phrase("one jaw of a pair: {} is its neighbour, in occlusion", found.back().name));
@@ -394,6 +398,7 @@ Expected<Opened> openToCut(const fs::path& path, const OpeningOptions& options, 
   }();
   KERF_TRY(beside, prepareBeside(case_folder, alone, options, partOf(progress, 0.4, 0.7), out));
   live.beside = std::move(beside);
+  live.without = options.without;
   live.is_felt = options.coupling.has_value();
   if (options.coupling)
     live.step.coupling = *options.coupling;

@@ -87,6 +87,7 @@ struct OpeningOptions {
   /// Of a force-feedback device that leads the tool; none: no device leads.
   std::optional<CouplingSettings> coupling{};
   std::vector<OpenBeside> beside{};
+  std::vector<std::string> without{};  ///< ids of cases that come not back as neighbours
   /// The rack while it is still being read: opening waits for it and uses it instead of `tools`. Not valid: the rack is
   /// read.
   std::shared_future<std::vector<SessionTool>> coming_tools{};

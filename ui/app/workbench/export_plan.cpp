@@ -190,13 +190,13 @@ Expected<void> ExportPlan::setFile(const fs::path& file) {
   return {};
 }
 
-void ExportPlan::setName(const std::string& name, const fs::path& folder) {
-  const fs::path ending = writtenFormatOf(file_) ? file_.extension() : fs::path(".stl");
+void ExportPlan::setName(const std::string& name, const fs::path& before) {
+  const fs::path ending = writtenFormatOf(before) ? before.extension() : fs::path(".stl");
   const char* const home = std::getenv("HOME");
   fs::path typed = home && name.starts_with("~/") ? fs::path(home) / name.substr(2) : fs::path(name);
   if (!typed.has_filename()) typed /= bench_.document->name() + "-cut";
   if (!writtenFormatOf(typed)) typed += ending;
-  file_ = (folder / typed).lexically_normal();
+  file_ = (before.parent_path() / typed).lexically_normal();
   is_named_ = true;
   named_for_ = bench_.document->source();
   written_.reset();

@@ -65,9 +65,9 @@ class ExportPlan final : public Part {
   /// A name without an ending keeps the current one; a relative path starts in the working folder.   Error kBadValue:
   /// no name, or an ending that Kerf does not write.
   Expected<void> setFile(const std::filesystem::path& file);
-  /// Sets the name, or a whole path, during typing. An ending that Kerf does not write gets the present one behind it.
-  /// @param folder  of a name without a folder: that of file() when typing began.
-  void setName(const std::string& name, const std::filesystem::path& folder);
+  /// Sets the name, or a whole path, during typing. Its folder and ending, if missing, are
+  /// those of the file before.   @param before  file() when typing began.
+  void setName(const std::string& name, const std::filesystem::path& before);
   /// Existing files that write() would replace.
   const std::vector<std::filesystem::path>& replaced() const { return replaced_; }
 

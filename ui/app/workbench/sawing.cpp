@@ -8,6 +8,7 @@
 
 #include "geometry/case/case_bundle.h"
 #include "sim/hand/guided_hand.h"
+#include "sim/run/files/run_manifest.h"
 #include "ui/app/base/language.h"
 #include "ui/app/document/document.h"
 #include "ui/app/saw/plane_words.h"
@@ -336,7 +337,7 @@ Expected<void> Sawing::cut(double force_n) {
   KERF_TRY(plane, chosen());
   if (isCutting())
     return refuse(Error::Code::kUnsupported, "a planned cut is running", "one at a time", "wait for it, or saw.stop");
-  if (bench_.strokes->isPressed() || bench_.steps->undosLeft() != 0)
+  if (bench_.strokes->isPressed() || !bench_.steps->isSettled() || bench_.pieces->isRemoving())
     return refuse(Error::Code::kUnsupported, "the tool is in use", "a tool at rest", "release the button first");
 
   const Tool& tool = bench_.tools->held();
@@ -490,7 +491,9 @@ void Sawing::reportAtOnce() {
 }
 
 bool Sawing::isPlanSpent() const {
-  return spent_ && spent_->version == plan_.version() && bench_.steps->done() > spent_->steps_before;
+  if (!spent_ || spent_->version != plan_.version() || bench_.steps->done() <= spent_->steps_before) return false;
+  const auto& steps = bench_.steps->timeline().steps();
+  return steps.size() <= spent_->steps_before || steps[spent_->steps_before].kind == TimelineStep::Kind::kPlaneCut;
 }
 
 void Sawing::choosePlane(std::size_t n) {
@@ -664,16 +667,13 @@ void Sawing::opened(Opening how) {
   cutting_.reset();
   covered_ = {};
   die.clear();
-  if (how == Opening::kReopened) {
-    saved_ = seen_ = 0;  // written again, beside the new session
-  } else {
-    plan_.clear();
-    saved_ = seen_ = plan_.version();
-    std::error_code ignored;
-    const fs::path before = bench_.document->source() / kSawPlanFile;  // of a session that goes on
-    if (bench_.document->isOpen() && fs::is_regular_file(before, ignored))
-      if (const auto read = plan_.load(before); !read) bench_.notices->complain(read.error());
-  }
+  plan_.clear();
+  // One that comes back has versions of its own: it is written again, beside the new session.
+  saved_ = seen_ = how == Opening::kReopened ? kNever : plan_.version();
+  std::error_code ignored;
+  const LiveRun* const run = bench_.document->run();
+  if (how == Opening::kNew && run && fs::is_regular_file(run->from() / kSawPlanFile, ignored))
+    if (const auto read = plan_.load(run->from() / kSawPlanFile); !read) bench_.notices->complain(read.error());
   last_share_ = 0;
   guide = false;
   picking.begin(SawPicking::What::kNothing);

@@ -29,9 +29,6 @@ struct CutPlanes;
 struct FitOptions;
 struct GuidedReport;
 
-/// File of a session's plan, beside the run's manifest.
-inline constexpr const char* kSawPlanFile = "saw-plan.toml";
-
 /// Progress of a planned cut.
 struct SawingStatus {
   std::string plane;
@@ -151,7 +148,7 @@ class Sawing final : public Part {
   /// From the tip of a guided tool to its front, perpendicular to the approach, world, mm.
   Vec3d tipToFront() const;
 
-  void opened(Opening how) override;  ///< planes of the session that goes on, else none
+  void opened(Opening how) override;  ///< those of the session that goes on, else none
   void closing() override;            ///< writes the plan to the session's folder
 
  private:
@@ -187,6 +184,7 @@ class Sawing final : public Part {
   std::unique_ptr<Cutting> cutting_;
   std::uint64_t cuts_ = 0;
   double last_share_ = 0;
+  static constexpr std::uint64_t kNever = ~std::uint64_t{0};
   std::uint64_t saved_ = 0, seen_ = 0;  // versions of the plan
   struct Measured {
     std::uint64_t version = 0;  // of the plan

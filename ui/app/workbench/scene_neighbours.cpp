@@ -10,6 +10,7 @@
 #include "ui/app/workbench/imports.h"
 #include "ui/app/workbench/sawing.h"
 #include "ui/app/workbench/sessions.h"
+#include "ui/app/workbench/steps.h"
 #include "ui/app/workbench/strokes.h"
 #include "ui/app/workbench/workbench.h"
 
@@ -96,6 +97,21 @@ void SceneNeighbours::workOn(std::size_t number) {
         opened.name = name;
         return std::move(opened);
       });
+}
+
+Expected<void> SceneNeighbours::remove(std::size_t number) {
+  if (bench_.jobs->isBusy() || bench_.saw->isBusy() || !bench_.document->isOpen()) return {};
+  const LiveRun& run = *bench_.document->run();
+  if (number < 1 || number > run.neighbours().size()) return {};
+  const SessionNeighbour& wanted = run.neighbours()[number - 1].known;
+  if (!run.from().empty() || bench_.steps->done() > 0 || !bench_.document->isAnswered())
+    return fail({.code = Error::Code::kUnsupported,
+                 .place = wanted.name,
+                 .found = "a session with cuts, which keeps its neighbours",
+                 .expected = "an object without cuts",
+                 .hint = "undo all steps (edit.begin), or open the object again without this neighbour"});
+  bench_.sessions->reopen({.without = wanted.manifest.id});
+  return {};
 }
 
 // ---- Poses and removed volume

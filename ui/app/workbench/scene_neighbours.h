@@ -28,6 +28,10 @@ class SceneNeighbours final : public Part {
   /// current session first.
   void workOn(std::size_t number);
 
+  /// Takes a neighbour away. The open document is opened again without it.
+  /// Error kUnsupported: the session has cuts, or continues another one, which keep all their neighbours.
+  Expected<void> remove(std::size_t number);
+
   std::vector<Neighbour> list() const;
   /// Null: no such neighbour.   @param name  or, if none has that name, its number.
   const SceneObject* find(const std::string& name) const;

@@ -88,10 +88,10 @@ Expected<void> ScenePieces::remove(std::span<const std::uint32_t> ids) {
   std::size_t left = document.isOpen() ? document.scene().pieceCount() : 0;
   for (const std::uint32_t id : ids) {
     const SceneObject* const piece = document.isOpen() ? document.scene().find(id) : nullptr;
-    if (!piece || !piece->is_in_scene) continue;
+    if (!piece || !piece->is_in_scene || command.objects.has(piece->index)) continue;
     if (piece->isBeside())
       return refuse(Error::Code::kUnsupported, fmt::format("\"{}\", a neighbour", piece->name),
-                    "pieces of the object you cut", "hide it: H");
+                    "pieces of the object you cut", "take it away: neighbour.remove");
     command.objects.bits |= std::uint64_t{1} << piece->index;
     --left;
   }
@@ -100,7 +100,7 @@ Expected<void> ScenePieces::remove(std::span<const std::uint32_t> ids) {
   if (left == 0)
     return refuse(Error::Code::kUnsupported, ids.size() > 1 ? "all pieces" : "the only piece", "a piece that stays",
                   "hide pieces (H), or end the session (Ctrl+W)");
-  if (bench_.saw->isCutting() || bench_.steps->isMoving() || removing_)
+  if (bench_.saw->isCutting() || bench_.steps->isMoving() || !bench_.steps->isSettled() || removing_)
     return refuse(Error::Code::kUnsupported, "the tool is in use", "a tool at rest", "wait for it, then delete again");
   bench_.strokes->release();
   const std::uint64_t refused = document.report().counts.commands_refused;
@@ -136,7 +136,8 @@ void ScenePieces::move(std::uint32_t id, const Rigid3& T_world_object) {
                                      .place = piece->name,
                                      .found = "an unusable position",
                                      .expected = "a position less than 100 m away"});
-  if (bench_.saw->isBusy() || bench_.steps->isMoving()) return drag(id, std::nullopt);
+  if (bench_.saw->isBusy() || bench_.steps->isMoving() || !bench_.steps->isSettled() || removing_)
+    return drag(id, std::nullopt);
   bench_.strokes->release();
   const Vec3d& t = T_world_object.translation;
   const Eigen::Quaterniond& q = T_world_object.rotation;

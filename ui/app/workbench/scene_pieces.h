@@ -32,6 +32,8 @@ class ScenePieces final : public Part {
   /// Removes pieces from the session: one undo step. A notice tells their volume once it is done.
   /// Errors: kEmpty for none; kUnsupported for all pieces, for neighbours, and while the tool is in use.
   Expected<void> remove(std::span<const std::uint32_t> ids);
+  /// A deletion is sent and not answered: the numbers of the objects may change.
+  bool isRemoving() const { return removing_.has_value(); }
 
   // ---- The chosen ones
 

@@ -70,7 +70,8 @@ struct Sessions::Kept {
   fs::path source, tool;
   std::string name;
   std::vector<fs::path> sources_beside;
-  std::vector<CaseBeside> beside;  // do not come back with `case_or_run`
+  std::vector<CaseBeside> beside;    // do not come back with `case_or_run`
+  std::vector<std::string> without;  // nor do these
   SawPlan plan;
   TissueChoices tissues;
   bool is_unexported = false;
@@ -250,7 +251,10 @@ void Sessions::reopen(Reopening wanted) {
   for (const fs::path& file : wanted.further_sources) kept->sources_beside.push_back(file);
   for (const CaseBeside& other : wanted.further) kept->sources_beside.push_back(other.folder);
   for (const LiveNeighbour& other : run->neighbours())
-    if (!other.known.has_begin) kept->beside.push_back({other.known.folder, other.known.name});
+    if (!other.known.has_begin && other.known.manifest.id != wanted.without)
+      kept->beside.push_back({other.known.folder, other.known.name});
+  kept->without = run->without();
+  if (!wanted.without.empty()) kept->without.push_back(wanted.without);
   kept->plan = bench_.saw->plan();
   kept->tissues = bench_.views->tissues().choices();
   kept->is_unexported = bench_.results->hasUnexportedCut() || wanted.branch;
@@ -267,10 +271,12 @@ void Sessions::reopen(Reopening wanted) {
     std::vector<CaseBeside> beside = has_written_ ? std::vector<CaseBeside>{} : kept->beside;
     beside.insert(beside.end(), kept->wanted.further.begin(), kept->wanted.further.end());
     for (const CaseBeside& other : beside) options.beside.push_back({other.folder, other.name, {}});
+    options.without = kept->without;
     const auto load = [next = has_written_ ? kept->session : kept->case_or_run, options](const Progress& progress) {
       return openToCut(next, options, progress);
     };
-    openBy(kept->wanted.further.empty() ? "loading the tool" : "placing neighbours", load, kept);
+    const bool is_neighbour = !kept->wanted.further.empty() || !kept->wanted.without.empty();
+    openBy(is_neighbour ? "placing neighbours" : "loading the tool", load, kept);
   });
 }
 

@@ -90,6 +90,7 @@ class Sessions final : public Part {
     std::vector<CaseBeside> further{};                     ///< neighbours to add
     std::vector<std::filesystem::path> further_sources{};  ///< their files: never written to
     std::optional<Branch> branch{};                        ///< continued in place of the session
+    std::string without{};  ///< id of the case of a neighbour to take away from an uncut document; empty: none
   };
   /// Ends the session and continues the open document in another one. Without an open document or beside another job:
   /// no effect but a notice.

@@ -106,10 +106,11 @@ void Steps::goWhereWished() {
 
 std::size_t Steps::done() const { return timeline_.doneAt(strokesDone()); }
 
+bool Steps::isSettled() const { return undos_left_ == 0 && bench_.document->answered() >= undos_answered_at_; }
+
 // Expected number once all commands are done.
 std::size_t Steps::strokesDone() const {
-  const bool is_over = undos_left_ == 0 && bench_.document->answered() >= undos_answered_at_;
-  return is_over ? timeline_.strokesDone() : static_cast<std::size_t>(std::max<std::ptrdiff_t>(strokes_then_, 0));
+  return isSettled() ? timeline_.strokesDone() : static_cast<std::size_t>(std::max<std::ptrdiff_t>(strokes_then_, 0));
 }
 
 void Steps::undoOrRedo(std::ptrdiff_t strokes) {

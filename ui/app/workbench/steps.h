@@ -41,6 +41,8 @@ class Steps final : public Part {
   std::size_t done() const;
   /// Undo, redo or a way to a step is under way.
   bool isMoving() const { return undos_left_ != 0 || wish_; }
+  /// Every Undo and Redo sent is answered: the numbers of the objects in the scene are those of the simulation.
+  bool isSettled() const;
   /// A way to a step waits for earlier commands.
   bool isWaiting() const { return wish_.has_value(); }
   /// Undo and Redo that are not sent to the 1 kHz thread yet: positive Redo, negative Undo.

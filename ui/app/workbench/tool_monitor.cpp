@@ -43,6 +43,18 @@ void ToolMonitor::update() {
   if (document.isOpen()) readLoop();
 }
 
+std::string ToolMonitor::hindranceShown() const {
+  constexpr double kTouches = 0.2;  // mm
+  const char* const text = hindrance_.text();
+  if (!text[0]) return {};
+  if (const auto near = nearNeighbour({}); near && !near->is_far && near->distance_mm < kTouches)
+    return phrase(
+        "{}, a neighbour, is in the way of the tool. Take it away with Piece > Remove neighbour, or cut from "
+        "another side.",
+        near->name);
+  return shownText(text);
+}
+
 void ToolMonitor::readLoop() {
   const Document& document = *bench_.document;
   const auto now = LoopRate::Clock::now();

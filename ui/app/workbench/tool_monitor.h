@@ -49,6 +49,8 @@ class ToolMonitor final : public Part {
   std::optional<ToolFront> toolFront() const;
   /// Reason why the stroke removes nothing and a remedy, in English. Empty: no hindrance.
   const char* hindrance() const { return hindrance_.text(); }
+  /// The same in the language of the window. It names a neighbour that the tool touches.
+  std::string hindranceShown() const;
   /// Speed of the drive as a share of its free speed, 0 to 1.
   double driveShare() const;
   /// Load of the drive as a share of its stall load; 0: nothing stalls it.

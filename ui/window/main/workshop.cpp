@@ -41,6 +41,7 @@
 #include "ui/app/workbench/replays.h"
 #include "ui/app/workbench/sawing.h"
 #include "ui/app/workbench/scene_pieces.h"
+#include "ui/app/workbench/steps.h"
 #include "ui/app/workbench/strokes.h"
 #include "ui/app/workbench/tool_monitor.h"
 #include "ui/app/workbench/tools.h"
@@ -303,7 +304,7 @@ class Workshop {
     if (view_->takeFitWanted()) {
       fitted_at_ = Clock::now();
     } else if (last_input_ > fitted_at_ || (box.min == fitted_.min && box.max == fitted_.max) ||
-               !bench_.document->isOpen()) {
+               !bench_.document->isOpen() || bench_.device->isLed() || bench_.steps->done() > 0) {
       return;
     }
     fitted_ = box;
@@ -440,9 +441,9 @@ class Workshop {
     const bool is_alt = e.key == GLFW_KEY_LEFT_ALT || e.key == GLFW_KEY_RIGHT_ALT;
     if (is_alt && !e.is_repeated) return stroke_.tapAlt(context_, e.s);
     const int modifiers = e.modifiers & (GLFW_MOD_CONTROL | GLFW_MOD_SHIFT | GLFW_MOD_ALT);
-    // A name typed beside its field runs no commands.
-    const bool is_letter = e.key < GLFW_KEY_ESCAPE && (modifiers & ~GLFW_MOD_SHIFT) == 0;
-    if (is_letter && !is_text && bench_.exporting->isShown() && !bench_.exporting->isDone()) return;
+    // A name typed beside its field runs no commands, nor does a key that would edit it.
+    const bool is_typing = e.key < GLFW_KEY_F1 && (modifiers & ~GLFW_MOD_SHIFT) == 0;
+    if (is_typing && !is_text && bench_.exporting->isShown() && !bench_.exporting->isDone()) return;
     if (!is_text && (leadsStroke(e) || showsAsLoaded(e))) return;
     for (const AppCommand& command : appCommands()) {
       if (command.key.empty() || keyChord(command.key) != KeyChord{e.key, modifiers}) continue;
@@ -483,12 +484,14 @@ class Workshop {
     const AppCommand& command = *findAppCommand("view.as-loaded");
     if (keyChord(command.key) != KeyChord{e.key, e.modifiers} || !command.is_enabled(context_)) return false;
     if (!e.is_repeated) runIfEnabled(context_, command.id, std::vector<std::string>{"on"});
+    is_look_held_ = true;
     return true;
   }
 
   // The foot pedal ends with its key, and so does the look back.
   void keyUp(int key) {
-    if (const AppCommand& back = *findAppCommand("view.as-loaded"); keyChord(back.key).key == key)
+    if (const AppCommand& back = *findAppCommand("view.as-loaded");
+        keyChord(back.key).key == key && std::exchange(is_look_held_, false))
       runIfEnabled(context_, back.id, std::vector<std::string>{"off"});
     if (key == GLFW_KEY_SPACE && bench_.strokes->isOnPedal())
       runIfEnabled(context_, "cut.pedal", std::vector<std::string>{"off"});
@@ -573,7 +576,7 @@ class Workshop {
   // With Ctrl, to the chosen ones. False beside the pieces.
   bool addsPiece() {
     const auto hit = bench_.document->scene().hit(rayAt(x_, y_));
-    if (!hit || !arePiecesNeeded(context_) || bench_.imports->isImporting()) return false;
+    if (!hit || !bench_.document->isOpen() || !arePiecesNeeded(context_) || bench_.imports->isImporting()) return false;
     std::vector<std::string> words = wordsOf({pointer()[0], pointer()[1]});
     words.emplace_back("add");
     say(runAppCommand(context_, "piece.pick", words));
@@ -704,6 +707,7 @@ class Workshop {
   Clock::time_point last_input_ = Clock::now();
   Clock::time_point fitted_at_{};  ///< the first view of the document
   Box3 fitted_;                    ///< then
+  bool is_look_held_ = false;      ///< the key of view.as-loaded is down
   double x_ = 0, y_ = 0;           // of the pointer, window units
   int window_width_ = 1, window_height_ = 1;
   int held_ = kNone;

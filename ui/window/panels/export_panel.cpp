@@ -4,7 +4,9 @@
 
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "geometry/formats/mesh_formats.h"
@@ -57,10 +59,10 @@ void drawWhere(ExportPlan& plan, const std::function<void(const AppCommand&)>& a
   plan.file().filename().string().copy(name.data(), name.size() - 1);
   ImGui::SetNextItemWidth(-scaled(110));
   if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
-  static std::filesystem::path folder;  // of the name while it is typed: a whole path may stand there
+  static std::filesystem::path before;  // the name was typed: a whole path may stand there meanwhile
   const bool is_typed = ui::inputText("##name", name.data(), name.size(), ImGuiInputTextFlags_AutoSelectAll);
-  if (ImGui::IsItemActivated()) folder = plan.file().parent_path();
-  if (is_typed) plan.setName(name.data(), folder);
+  if (ImGui::IsItemActivated()) before = plan.file();
+  if (is_typed) plan.setName(name.data(), before);
   if (plan.isDone() && ImGui::IsItemActive() && !ImGui::IsItemActivated())
     ImGui::SetWindowFocus(nullptr);  // keys again
   if (ImGui::IsItemHovered()) ui::setTooltip("A name, or a whole path");
@@ -124,8 +126,11 @@ void runExport(AppContext& context, const char* id) {
   if (const auto done = runAppCommand(context, id); !done) context.bench.notices->complain(done.error());
 }
 
+bool writes_when_drawn = false;  // Enter was pressed: after the field has taken the letters before it
+
 void drawExportButtons(AppContext& context, ExportPlan& plan) {
   const Stage stage = plan.stage();
+  if (std::exchange(writes_when_drawn, false)) plan.write();
   if (plan.isDone()) {
     if (strongButton("Show in folder", "", scaled(150))) runExport(context, "export.show-in-folder");
   } else {
@@ -167,7 +172,7 @@ bool exportPanelKey(AppContext& context, bool is_enter) {
   ExportPlan& plan = *context.bench.exporting;
   if (!plan.isShown()) return false;
   if (is_enter && !plan.isDone())
-    plan.write();
+    writes_when_drawn = true;
   else
     plan.hide();
   return true;

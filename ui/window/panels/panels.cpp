@@ -46,10 +46,10 @@ void drawScaleBar(const AppContext& context, double pixels) {
 void drawLabel(const AppContext& context) {
   const TissueDisplay& tissues = context.bench.views->tissues();
   const bool is_as_loaded = tissues.isAsLoadedShown();
-  const char* const text = !is_as_loaded        ? context.bench.monitor->hindrance()
-                           : tissues.asLoaded() ? "As loaded"
-                                                : "Preparing the object as loaded...";
-  if (!text[0]) return;
+  const std::string text = !is_as_loaded        ? context.bench.monitor->hindranceShown()
+                           : tissues.asLoaded() ? shownText("As loaded")
+                                                : shownText("Preparing the object as loaded...");
+  if (text.empty()) return;
   const FrameArea free = frameLayout(context).free;
   if (is_as_loaded)
     ImGui::SetNextWindowPos({free.right - scaled(8), free.bottom - scaled(44)}, ImGuiCond_Always, {1, 1});

@@ -216,6 +216,10 @@ void drawNeighbourList(AppContext& context) {
     if (ImGui::IsItemHovered()) ui::setTooltip("Ghost: translucent and not clickable");
     ImGui::SameLine();
     ui::text(ui::asItIs(object->name));
+    ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - scaled(70));
+    if (ui::button("Remove", {scaled(70), 0}))
+      runIfEnabled(context, "neighbour.remove", std::vector<std::string>{object->name});
+    if (ImGui::IsItemHovered()) ui::setTooltip("The tool no longer touches it; its file stays");
     ImGui::PopID();
   }
   bool stops = bench.strokes->stop_short_beside_mm.has_value();
