@@ -24,6 +24,22 @@ if(KERF_BUILD_WINDOW)
   endif()
 endif()
 
+if(KERF_BUILD_PYTHON AND NOT KERF_SANITIZE AND NOT KERF_FUZZ)
+  # The system's interpreter, whose numpy Debian's python3-numpy is.
+  if(NOT Python_EXECUTABLE AND EXISTS /usr/bin/python3)
+    set(Python_EXECUTABLE /usr/bin/python3)
+  endif()
+  find_package(Python QUIET COMPONENTS Interpreter Development.Module NumPy)
+  find_package(pybind11 2.10 CONFIG QUIET)
+  if(NOT (Python_FOUND AND pybind11_FOUND))
+    message(WARNING "pybind11 or Python's headers are missing: the Python module is not built "
+                    "(Debian: pybind11-dev python3-dev python3-numpy)")
+    set(KERF_BUILD_PYTHON OFF)
+  endif()
+else()
+  set(KERF_BUILD_PYTHON OFF)
+endif()
+
 if(KERF_BUILD_TESTS)
   find_package(GTest CONFIG REQUIRED)
   find_package(rapidcheck CONFIG QUIET)

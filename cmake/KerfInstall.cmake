@@ -1,7 +1,7 @@
 # cmake --install: programs, libraries with their headers and a CMake package, assets, manual pages, completion.
 #
-# From outside: find_package(kerf) gives kerf::geometry and kerf::sim, find_package(kerf COMPONENTS preprocess) also
-# kerf::preprocess. Static libraries: who links them needs the libraries of KerfLibraries.cmake. kerf_volumes.so is loaded
+# From outside: find_package(kerf) gives kerf::kerf, and its parts kerf::geometry, kerf::sim and kerf::preprocess. Static
+# libraries: who links them needs the libraries of KerfLibraries.cmake. kerf_volumes.so is loaded
 # by whoever reads a volume, from where it was installed or from lib/kerf beside the program.
 include(CMakePackageConfigHelpers)
 set(package ${CMAKE_INSTALL_LIBDIR}/cmake/kerf)
@@ -10,6 +10,7 @@ set_target_properties(kerf_options PROPERTIES EXPORT_NAME options)
 set_target_properties(kerf_geometry PROPERTIES EXPORT_NAME geometry)
 set_target_properties(kerf_sim PROPERTIES EXPORT_NAME sim)
 set_target_properties(kerf_preprocess PROPERTIES EXPORT_NAME preprocess)
+set_target_properties(kerf_library PROPERTIES EXPORT_NAME kerf)
 
 foreach(program kerf kerf-sim kerf-bridge-haply kerf-bridge-simulated kerf-bridge-woody)
   if(TARGET ${program})
@@ -24,19 +25,42 @@ install(FILES ${CMAKE_SOURCE_DIR}/LICENSE ${CMAKE_SOURCE_DIR}/README.md ${CMAKE_
         DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
 # The object libraries are inside the static ones; their targets only say what else to link.
-install(TARGETS kerf_options kerf_geometry kerf_exact kerf_files kerf_run kerf_sim EXPORT kerfTargets
+install(TARGETS kerf_options kerf_geometry kerf_exact kerf_files kerf_run kerf_sim kerf_preprocess kerf_close_exact kerf_library
+        EXPORT kerfTargets
         ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(EXPORT kerfTargets NAMESPACE kerf:: DESTINATION ${package})
 install(TARGETS kerf_volumes LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/kerf)
-install(TARGETS kerf_preprocess kerf_close_exact EXPORT kerfPreprocessTargets
-        ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-install(EXPORT kerfPreprocessTargets NAMESPACE kerf:: DESTINATION ${package})
+if(KERF_BUILD_PYTHON)
+  # Where Debian's interpreter looks, whatever the prefix is.
+  set(modules lib/python3/dist-packages/kerf)
+  install(TARGETS kerf_python LIBRARY DESTINATION ${modules})
+  install(FILES ${CMAKE_SOURCE_DIR}/python/kerf/__init__.py ${CMAKE_SOURCE_DIR}/python/kerf/__init__.pyi
+                ${CMAKE_SOURCE_DIR}/python/kerf/py.typed DESTINATION ${modules})
+endif()
 
-# Headers of vectorised loops, and those that name a type of OpenVDB, TBB or toml++, are Kerf's own.
-install(DIRECTORY ${CMAKE_SOURCE_DIR}/geometry ${CMAKE_SOURCE_DIR}/preprocess ${CMAKE_SOURCE_DIR}/sim
-        DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/kerf
-        FILES_MATCHING PATTERN "*.h" PATTERN "toml_reader.h" EXCLUDE PATTERN "vdb_bricks.h" EXCLUDE PATTERN "vdb_writer.h" EXCLUDE
-                       PATTERN "cropped_bricks.h" EXCLUDE PATTERN "mesh_field.h" EXCLUDE PATTERN "paint_materials.h" EXCLUDE PATTERN "itk_reader.h" EXCLUDE)
+# The interface is library/kerf.h: it and what it includes are installed, the other headers are Kerf's own.
+function(kerf_reached_headers out)
+  set(open library/kerf.h)
+  set(known ${open})
+  while(open)
+    list(POP_FRONT open header)
+    file(STRINGS ${CMAKE_SOURCE_DIR}/${header} lines REGEX "^#include \"")
+    foreach(line IN LISTS lines)
+      string(REGEX REPLACE "^#include \"([^\"]+)\".*" "\\1" included "${line}")
+      if(NOT included IN_LIST known AND EXISTS ${CMAKE_SOURCE_DIR}/${included})
+        list(APPEND known ${included})
+        list(APPEND open ${included})
+      endif()
+    endforeach()
+  endwhile()
+  set(${out} ${known} PARENT_SCOPE)
+endfunction()
+kerf_reached_headers(headers)
+foreach(header IN LISTS headers)
+  get_filename_component(folder ${header} DIRECTORY)
+  install(FILES ${CMAKE_SOURCE_DIR}/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/kerf/${folder})
+endforeach()
+install(FILES ${CMAKE_SOURCE_DIR}/library/kerf.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/kerf)
 install(FILES ${CMAKE_BINARY_DIR}/generated/geometry/base/version.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/kerf/geometry/base)
 
 configure_package_config_file(${CMAKE_SOURCE_DIR}/cmake/kerfConfig.cmake.in ${CMAKE_BINARY_DIR}/generated/kerfConfig.cmake

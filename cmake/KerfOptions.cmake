@@ -15,7 +15,7 @@ add_library(kerf_options INTERFACE)
 add_library(kerf::options ALIAS kerf_options)
 # Headers are included from the root: the source tree, or include/kerf where they are installed.
 target_include_directories(kerf_options INTERFACE
-  $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}> $<BUILD_INTERFACE:${CMAKE_BINARY_DIR}/generated> $<INSTALL_INTERFACE:include/kerf>)
+  $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}> $<BUILD_INTERFACE:${CMAKE_BINARY_DIR}/generated> $<INSTALL_INTERFACE:include/kerf> $<INSTALL_INTERFACE:include>)
 target_compile_features(kerf_options INTERFACE cxx_std_20)
 # -ffp-contract=off: the same input gives the same bits, whether or not the compiler likes fused multiply-add.
 # In a unity build a local name may be that of a function of another source.

@@ -1,5 +1,8 @@
 #include "geometry/base/assets.h"
 
+#include <dlfcn.h>
+#include <link.h>
+
 #include <algorithm>
 #include <cstdlib>
 
@@ -7,14 +10,26 @@ namespace kerf {
 
 namespace fs = std::filesystem;
 
+fs::path ownFolder() {
+  Dl_info info{};
+  link_map* loaded = nullptr;
+  std::error_code failed;
+  const bool is_known = dladdr1(reinterpret_cast<const void*>(&ownFolder), &info, reinterpret_cast<void**>(&loaded),
+                                RTLD_DL_LINKMAP) != 0;
+  const bool is_program = !is_known || !loaded || loaded->l_name[0] == '\0';
+  const fs::path file = is_program ? fs::read_symlink("/proc/self/exe", failed) : fs::canonical(loaded->l_name, failed);
+  return failed ? fs::path() : file.parent_path();
+}
+
 std::vector<fs::path> findAssets(const fs::path& name) {
   std::vector<fs::path> folders, out;
   if (const char* assets = std::getenv("KERF_ASSETS"); assets && *assets) folders.emplace_back(assets);
   std::error_code failed;
-  const fs::path program = fs::read_symlink("/proc/self/exe", failed).parent_path();
-  if (!failed) {
-    folders.push_back(program / "../../../assets");
-    folders.push_back(program / "../share/kerf");
+  if (const fs::path own = ownFolder(); !own.empty()) {
+    folders.push_back(own / "../../../assets");
+    // bin/, lib/, lib/x86_64-linux-gnu/, lib/python3/dist-packages/kerf/
+    for (fs::path up = own / ".."; folders.size() < 8 && fs::exists(up, failed); up /= "..")
+      folders.push_back(up / "share/kerf");
   }
   folders.emplace_back(KERF_INSTALLED_ASSETS);
   folders.emplace_back(KERF_SOURCE_ASSETS);

@@ -8,6 +8,9 @@
 
 namespace kerf {
 
+/// Folder of the program, or of the shared library that Kerf is linked into: that of a Python module. Empty: unknown.
+std::filesystem::path ownFolder();
+
 /// Every existing place of `name` ("tools", "materials.toml"), by preference: in $KERF_ASSETS, beside the program
 /// (build tree, then installed), in the install folder, in the source tree of the build. Without repetition.
 std::vector<std::filesystem::path> findAssets(const std::filesystem::path& name);

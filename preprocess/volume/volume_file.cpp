@@ -5,6 +5,7 @@
 #include <dlfcn.h>
 #endif
 
+#include "geometry/base/assets.h"
 #include "geometry/base/version.h"
 #include "preprocess/volume/itk_reader.h"
 
@@ -22,9 +23,11 @@ Expected<const ItkReader*> findReader() { return kerfItkReader(); }
 // Beside the program (build tree and installed alike), where Kerf was installed, in the tree it was built in.
 std::vector<fs::path> placesOfReader() {
   std::vector<fs::path> places;
+  const fs::path own = ownFolder();
+  // bin/, lib/, lib/x86_64-linux-gnu/, lib/python3/dist-packages/kerf/
   std::error_code failed;
-  const fs::path program = fs::read_symlink("/proc/self/exe", failed).parent_path();
-  if (!failed) places.push_back((program / ".." / KERF_LIBRARY_FOLDER / "kerf/kerf_volumes.so").lexically_normal());
+  for (fs::path up = own / ".."; !own.empty() && places.size() < 5 && fs::exists(up, failed); up /= "..")
+    places.push_back((up / KERF_LIBRARY_FOLDER / "kerf/kerf_volumes.so").lexically_normal());
   places.emplace_back(KERF_INSTALLED_VOLUMES);
   places.emplace_back(KERF_BUILT_VOLUMES);
   return places;

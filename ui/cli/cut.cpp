@@ -12,13 +12,12 @@
 #include "geometry/tool/tool_file.h"
 #include "sim/monitor/monitor.h"
 #include "sim/object/baked_object.h"
+#include "sim/run/cut/cut_remarks.h"
 #include "sim/run/cut/geometry_cut.h"
 #include "sim/run/cut/haptic_cut.h"
 #include "sim/run/files/small_cut.h"
-#include "sim/run/sweep/tool_resolution.h"
 #include "sim/step/response.h"
 #include "ui/cli/command.h"
-#include "ui/cli/tool_doubt.h"
 
 namespace kerf::cli {
 namespace {
@@ -84,28 +83,9 @@ std::optional<Error> misplaced(const CLI::App& command, const std::string& hand)
   return std::nullopt;
 }
 
-// Warnings about a run to continue.
-std::vector<std::string> warningsOf(const RunManifest& m) {
-  constexpr double kWorthSaying = 0.01;  // mm^3
-  std::vector<std::string> out;
-  for (const std::string& piece : m.missing_pieces)
-    out.push_back("piece not found; it stays at its scan position: " + piece);
-  for (const std::string& piece : m.pieces_cut_away) out.push_back("piece completely cut away: " + piece);
-  if (m.added_before_mm3 > kWorthSaying)
-    out.push_back(
-        fmt::format("{:.4f} mm3 of earlier filling now count as the tissue around them. The run is from an older Kerf, "
-                    "which saved the place of added material but not the material",
-                    m.added_before_mm3));
-  if (m.finer_before_mm > 0)
-    out.push_back(
-        fmt::format("the earlier run was cut on voxels of {} mm, in the case's fine region. Its cut outside the region "
-                    "is now on the object's voxels, {} mm",
-                    m.finer_before_mm, m.voxel_mm));
-  return out;
-}
-
-void tell(const std::vector<std::string>& warnings) {
-  for (const std::string& warning : warnings) printText(stderr, "kerf: WARNING: {}\n", warning);
+void tell(const std::vector<CutRemark>& remarks) {
+  for (const CutRemark& remark : remarks)
+    printText(stderr, "kerf: {}{}\n", remark.is_warning ? "WARNING: " : "", remark.text);
 }
 
 // ---- Against resistance
@@ -229,62 +209,6 @@ void printCut(const CutArguments& a, const HapticCut& cut) {
   printText("state {}\nrun written: {}\n", s.state_hash, a.output);
 }
 
-// Warns of a doubtful tool, and of one too thin for the voxels. A hand cuts on the object's own voxels.
-void warnOfTool(const CutArguments& a, const std::filesystem::path& tool_file, double voxel_mm, bool is_unchanged) {
-  const auto tool = readTool(tool_file);
-  if (!tool) return;
-  if (const std::string doubt = doubtAbout(*tool); !doubt.empty())
-    printText(stderr, "kerf: WARNING: {}: {}\n", tool->id, doubt);
-  const bool is_pushed = !a.hand.empty() && a.hand != "feed" && a.haptic.add.empty();  // added material gives no force
-  const Held held = is_pushed ? Held::kByHand : Held::kOnPath;
-  if (const auto coarse = tooCoarseFor(*tool, voxel_mm, held))
-    printText(stderr, "kerf: WARNING: {}. Bake with --voxel {:.2g} or finer{}\n", coarse->what, coarse->finer_mm,
-              a.hand.empty() ? ", or for the mesh alone with --fine-along the path" : "");
-  if (is_unchanged) printText(stderr, "kerf: WARNING: the tool changed nothing\n");
-}
-
-// Only the penalty law holds a tool by its core.
-void warnOfResponse(const CutArguments& a, const std::filesystem::path& tool_file) {
-  if (a.response == "penalty" || !a.haptic.add.empty()) return;
-  const auto tool = readTool(tool_file);
-  if (tool && isPointed(*tool))
-    printText(stderr,
-              "kerf: WARNING: with {} a point as thin as that of {} may pass through tissue without cutting it. Omit "
-              "--response\n",
-              a.response, tool->id);
-}
-
-// A feed works like a machine: it moves on past remaining material. An unfinished path allows no such warning.
-void warnOfFeed(const CutArguments& a, const HapticSummary& s) {
-  constexpr double kEnough = 0.9;  // of the plan
-  if (a.hand == "feed" && s.is_complete && s.reached_mm3 < kEnough * s.planned_mm3)
-    printText(stderr,
-              "kerf: WARNING: fed faster than it can cut: the tool removed {:.0f} % of the planned volume and passed "
-              "through the rest. Forces and volumes are not reliable. Use --hand force, or a slower feed\n",
-              100 * s.reached_mm3 / s.planned_mm3);
-}
-
-void warnOfSmallCut(double removed_mm3, double voxel_mm) {
-  if (const auto small = smallCut(removed_mm3, voxel_mm)) printText(stderr, "kerf: WARNING: {}\n", *small);
-}
-
-// Path features that the author hardly intended.
-void tell(const PathFindings& found, bool is_adding) {
-  if (!found.idle.empty()) {
-    constexpr std::size_t kMostNamed = 8;
-    std::string named;
-    for (std::size_t n = 0; n < std::min(kMostNamed, found.idle.size()); ++n)
-      named += fmt::format("{}{}", n ? ", " : "", found.idle[n]);
-    const std::string more =
-        found.idle.size() > kMostNamed ? fmt::format(" and {} more", found.idle.size() - kMostNamed) : std::string();
-    printText(stderr, "kerf: stroke{} {}{} of {} {} nothing\n", found.idle.size() == 1 ? "" : "s", named, more,
-              found.strokes, is_adding ? "added" : "removed");
-  }
-  if (const auto& at = found.comes_out_at)
-    printText(stderr, "kerf: the tip leaves the object on the far side, at ({:.2f}, {:.2f}, {:.2f}) mm\n", at->x(),
-              at->y(), at->z());
-}
-
 int runByHand(const CutArguments& a, const std::filesystem::path& tool) {
   HapticCutOptions options = a.haptic;
   options.hand = *handKind(a.hand);
@@ -297,22 +221,8 @@ int runByHand(const CutArguments& a, const std::filesystem::path& tool) {
   }();
   if (!cut) return complain(cut.error());
 
-  if (cut->left_region_unused)
-    printText(stderr, "kerf: --hand does not use the case's fine region: cut on the object's voxels, {} mm\n",
-              cut->manifest.voxel_mm);
-  tell(warningsOf(cut->manifest));
+  if (const auto used = readTool(tool)) tell(remarksOf(*cut, options, *used));
   warnOfNeighbours(a, cut->summary);
-  warnOfTool(a, tool, cut->manifest.voxel_mm, cut->summary.removed_mm3 + cut->summary.added_mm3 < kUnchanged);
-  warnOfSmallCut(cut->summary.removed_mm3, cut->manifest.voxel_mm);
-  tell(cut->summary.findings, !a.haptic.add.empty());
-  warnOfResponse(a, tool);
-  warnOfFeed(a, cut->summary);
-  constexpr double kInside = 0.2;  // mm; less is a tool that leans on the surface
-  if (cut->summary.began_inside_mm > kInside)
-    printText(stderr,
-              "kerf: WARNING: the path begins {:.2f} mm or more inside tissue. The tissue pushes the tool out, and the "
-              "force is meaningless. Begin the path in air, for example with a plunge\n",
-              cut->summary.began_inside_mm);
   if (a.json)
     printJson(cutJson(a, *cut));
   else
@@ -363,26 +273,10 @@ int runGeometry(const CutArguments& a, const std::filesystem::path& tool) {
   }();
   if (!m) return complain(m.error());
 
-  if (m->beyond_region_mm > 0)
-    printText(stderr,
-              "kerf: the cut reaches {:.2f} mm out of the case's fine region: cut on the object's voxels, {} mm. To "
-              "use the fine voxels, bake with a larger --fine-radius\n",
-              m->beyond_region_mm, m->voxel_mm);
-  tell(warningsOf(*m));
+  if (const auto used = readTool(tool)) tell(remarksOf(*m, *used));
   tellOfNeighbours(a, *m);
   double removed = 0;
   for (const auto& [id, volume] : m->removed_by_material) removed += volume;
-  // Volumes use the object's own voxels; strokes use those of a fine region if one was cut.
-  const bool all_idle = m->findings.idle.size() == m->findings.strokes;
-  const bool is_thin = m->thin_mm3 > 0;
-  warnOfTool(a, tool, m->voxel_mm, removed < kUnchanged && all_idle && !is_thin);
-  if (is_thin)
-    printText(stderr,
-              "kerf: WARNING: the cut is thinner than the voxels: the exported mesh loses about {:.2g} mm3, this "
-              "report counts none. Bake with smaller voxels\n",
-              m->thin_mm3);
-  tell(m->findings, false);
-  warnOfSmallCut(removed, m->voxel_mm);
   const auto& out_at = m->findings.comes_out_at;
   if (a.json)
     printJson(nlohmann::json{

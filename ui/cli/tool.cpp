@@ -15,12 +15,12 @@
 #include "geometry/tool/blade_motion.h"
 #include "geometry/tool/head_shape.h"
 #include "geometry/tool/tool_drawing.h"
+#include "geometry/tool/tool_doubt.h"
 #include "geometry/tool/tool_file.h"
 #include "geometry/tool/tool_template.h"
 #include "sim/run/sweep/tool_check.h"
 #include "sim/step/tool_model.h"
 #include "ui/cli/command.h"
-#include "ui/cli/tool_doubt.h"
 
 namespace kerf::cli {
 namespace {

@@ -1,4 +1,4 @@
-#include "ui/cli/tool_doubt.h"
+#include "geometry/tool/tool_doubt.h"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 
 #include "geometry/mesh/mesh.h"
 
-namespace kerf::cli {
+namespace kerf {
 namespace {
 
 // A mesh tool turns about its axis. If it is long in another direction, or lies beside its axis, the axis is probably
@@ -61,4 +61,4 @@ std::string doubtAbout(const Tool& tool) {
       tool.head_diameter_mm);
 }
 
-}  // namespace kerf::cli
+}  // namespace kerf

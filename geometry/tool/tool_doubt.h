@@ -5,10 +5,10 @@
 
 #include "geometry/tool/tool.h"
 
-namespace kerf::cli {
+namespace kerf {
 
 /// A sentence about a valid but unusual tool: a mesh longest across its rotation axis, a head ten times too wide. Empty
 /// for most. @cost O(triangles) of a mesh tool.
 std::string doubtAbout(const Tool& tool);
 
-}  // namespace kerf::cli
+}  // namespace kerf

@@ -1,0 +1,138 @@
+"""The Python module: arrays, errors, progress, Ctrl-C, forces, saving. Run with PYTHONPATH at the built package."""
+import os
+import signal
+import tempfile
+import threading
+import time
+import unittest
+
+import numpy as np
+
+import kerf
+
+CORNERS = np.array([[x, y, z] for z in (-3.0, 0.0) for y in (-2.0, 2.0) for x in (-2.0, 2.0)])
+FACES = np.array([[0, 2, 1], [1, 2, 3], [4, 5, 6], [5, 7, 6], [0, 1, 4], [1, 5, 4],
+                  [2, 6, 3], [3, 6, 7], [0, 4, 2], [2, 4, 6], [1, 3, 5], [3, 7, 5]])
+ACROSS = np.array([[-1.0, 0, 2], [-1, 0, -0.5], [1, 0, -0.5]])
+
+
+def block():
+    return kerf.Mesh(CORNERS, FACES)
+
+
+class Module(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.case = kerf.bake(block(), voxel=0.1, unit="mm")
+
+    def test_arrays_are_views_and_stay_when_the_mesh_goes(self):
+        mesh = block()
+        vertices, faces = mesh.vertices, mesh.faces
+        del mesh
+        self.assertEqual(vertices.dtype, np.float64)
+        self.assertEqual(faces.dtype, np.uint32)
+        np.testing.assert_array_equal(vertices, CORNERS)
+        np.testing.assert_array_equal(faces, FACES)
+        with self.assertRaises(ValueError):
+            vertices[0, 0] = 1
+
+    def test_wrong_arrays_are_refused(self):
+        for vertices, faces, place in [(CORNERS[:, :2], FACES, "vertices"), (CORNERS, FACES + 7, "face 0"),
+                                       (CORNERS * np.nan, FACES, "vertex 0"), (CORNERS, FACES - 1, "face 0")]:
+            with self.assertRaises(kerf.Error) as caught:
+                kerf.Mesh(vertices, faces)
+            self.assertEqual(caught.exception.place, place)
+            self.assertTrue(caught.exception.expected)
+
+    def test_a_cut_removes_the_swept_volume(self):
+        cut = self.case.cut(kerf.tool("round-014"), ACROSS)
+        report = kerf.check(cut.mesh)
+        self.assertTrue(report.ready, report.reasons)
+        self.assertAlmostEqual(report.volume_mm3, 48 - cut.removed_mm3, places=3)
+        # Half a ball of 1.4 mm, a groove 2 mm long with its 0.5 mm below the surface: by the section of a disc.
+        r, depth = 0.7, 0.5
+        section = r * r * np.arccos(1 - depth / r) - (r - depth) * np.sqrt(2 * r * depth - depth * depth)
+        cap = np.pi * depth * depth * (r - depth / 3)
+        self.assertAlmostEqual(cut.removed_mm3, 2 * section + cap, delta=0.02 * cut.removed_mm3)
+        self.assertLess(cut.wall_um, 100)
+        self.assertEqual(len(cut.is_cut), len(cut.mesh.faces))
+        self.assertTrue(cut.is_cut.any() and not cut.is_cut.all())
+
+    def test_against_resistance_it_has_forces(self):
+        cut = self.case.cut("round-014", ACROSS, force=1.0)
+        self.assertGreater(len(cut.forces), 100)
+        self.assertGreater(cut.forces["contact_N"].max(), 0.5)
+        self.assertTrue((np.diff(cut.forces["t_s"]) > 0).all())
+
+    def test_a_tool_from_a_dictionary(self):
+        keys = {"format": "kerf-tool", "version": 1}
+        with self.assertRaises(kerf.Error) as caught:
+            self.case.cut(kerf.Tool(keys), ACROSS)
+        self.assertIn("tool.toml", caught.exception.file)
+
+    def test_a_path_in_the_air_is_an_error(self):
+        with self.assertRaises(kerf.Error) as caught:
+            self.case.cut("round-014", ACROSS + [0, 0, 100])
+        self.assertEqual(caught.exception.code, "empty")
+
+    def test_distance_is_signed(self):
+        near = self.case.distance([[0, 0, -0.2], [0, 0, 0.0], [0, 0, 0.2], [0, 0, 50]])
+        np.testing.assert_allclose(near[:3], [-0.2, 0, 0.2], atol=0.02)
+        self.assertGreater(near[3], 0.2)
+
+    def test_saved_it_opens_again_and_cuts_the_same(self):
+        with tempfile.TemporaryDirectory() as folder:
+            case = kerf.bake(block(), voxel=0.1, unit="mm")
+            cut = case.cut("round-014", ACROSS)
+            with self.assertRaises(kerf.Error):
+                cut.save(os.path.join(folder, "early.run"))
+            case.save(os.path.join(folder, "block.case"))
+            cut.save(os.path.join(folder, "block.run"))
+            with self.assertRaises(kerf.Error):
+                case.save(os.path.join(folder, "block.case"))
+            again = kerf.open(os.path.join(folder, "block.case")).cut("round-014", ACROSS)
+            np.testing.assert_array_equal(again.mesh.vertices, cut.mesh.vertices)
+            self.assertTrue(os.path.isfile(os.path.join(folder, "block.run", "run.toml")))
+
+    def test_progress_can_cancel_and_its_error_comes_out(self):
+        seen = []
+        with self.assertRaises(kerf.Error) as caught:
+            kerf.bake(block(), voxel=0.1, unit="mm", progress=lambda done, step: seen.append((done, step)) or len(seen) < 2)
+        self.assertEqual(caught.exception.code, "cancelled")
+        self.assertGreaterEqual(len(seen), 2)
+        with self.assertRaises(ZeroDivisionError):
+            kerf.bake(block(), voxel=0.1, unit="mm", progress=lambda done, step: 1 / 0)
+
+    def test_ctrl_c_ends_a_bake(self):
+        scan = kerf.Mesh(CORNERS * 10, FACES)
+        began = threading.Event()
+
+        def interrupt():
+            began.wait()
+            os.kill(os.getpid(), signal.SIGINT)
+
+        thread = threading.Thread(target=interrupt)
+        thread.start()
+        with self.assertRaises(KeyboardInterrupt):
+            kerf.bake(scan, voxel=0.05, unit="mm", progress=lambda done, step: began.set())
+        thread.join()
+
+    def test_other_threads_run_meanwhile(self):
+        ticks = []
+        stop = threading.Event()
+
+        def tick():
+            while not stop.is_set():
+                ticks.append(time.monotonic())
+                time.sleep(0.001)
+
+        thread = threading.Thread(target=tick)
+        thread.start()
+        kerf.bake(kerf.Mesh(CORNERS * 5, FACES), voxel=0.1, unit="mm")
+        stop.set()
+        thread.join()
+        self.assertGreater(len(ticks), 5)
+
+
+if __name__ == "__main__":
+    unittest.main()
