@@ -294,48 +294,50 @@ PYBIND11_MODULE(_kerf, m) {
       .def("__str__", [](const MeshReport& report) { return kerf::describe(report); });
   m.def("check", [](const SharedMesh& mesh) { return unlocked([&] { return checkMesh(*mesh); }); });
 
-  py::class_<ModelCut>(m, "Cut")
-      .def_property_readonly("mesh", [](const ModelCut& cut) { return std::make_shared<Mesh>(cut.post_op.mesh); })
+  py::class_<WorkpieceCut>(m, "Cut")
+      .def_property_readonly("mesh", [](const WorkpieceCut& cut) { return std::make_shared<Mesh>(cut.post_op.mesh); })
       .def_property_readonly("is_cut",
-                             [](const ModelCut& cut) {
+                             [](const WorkpieceCut& cut) {
                                py::array_t<bool> out(static_cast<py::ssize_t>(cut.post_op.is_cut.size()));
                                std::copy(cut.post_op.is_cut.begin(), cut.post_op.is_cut.end(), out.mutable_data());
                                return out;
                              })
-      .def_readonly("removed_mm3", &ModelCut::removed_mm3)
+      .def_readonly("removed_mm3", &WorkpieceCut::removed_mm3)
       .def_property_readonly("wall_um",
-                             [](const ModelCut& cut) -> std::optional<double> {
+                             [](const WorkpieceCut& cut) -> std::optional<double> {
                                if (cut.accuracy.vertices == 0) return std::nullopt;
                                return 1e3 * cut.accuracy.max_mm;
                              })
       .def_property_readonly("warnings",
-                             [](const ModelCut& cut) {
+                             [](const WorkpieceCut& cut) {
                                std::vector<std::string> out;
                                for (const CutRemark& remark : cut.remarks)
                                  if (remark.is_warning) out.push_back(remark.text);
                                return out;
                              })
       .def_property_readonly("notes",
-                             [](const ModelCut& cut) {
+                             [](const WorkpieceCut& cut) {
                                std::vector<std::string> out;
                                for (const CutRemark& remark : cut.remarks)
                                  if (!remark.is_warning) out.push_back(remark.text);
                                return out;
                              })
       .def_property_readonly(
-          "forces", [](const ModelCut& cut) { return forcesOf(valueOf(unlocked([&] { return cut.series(); }))); })
-      .def("save",
-           [](const ModelCut& cut, const std::string& folder) { valueOf(unlocked([&] { return cut.save(folder); })); });
+          "forces", [](const WorkpieceCut& cut) { return forcesOf(valueOf(unlocked([&] { return cut.series(); }))); })
+      .def("save", [](const WorkpieceCut& cut, const std::string& folder) {
+        valueOf(unlocked([&] { return cut.save(folder); }));
+      });
 
-  py::class_<Model>(m, "Case")
-      .def_property_readonly(
-          "solid",
-          [](const Model& model) { return std::make_shared<Mesh>(valueOf(unlocked([&] { return model.solid(); }))); })
-      .def_property_readonly("report", [](const Model& model) { return manifestOf(model.manifest()); })
-      .def_property_readonly("warnings", [](const Model& model) { return model.warnings(); })
-      .def_property_readonly("folder", [](const Model& model) { return model.folder().string(); })
+  py::class_<Workpiece>(m, "Case")
+      .def_property_readonly("solid",
+                             [](const Workpiece& model) {
+                               return std::make_shared<Mesh>(valueOf(unlocked([&] { return model.solid(); })));
+                             })
+      .def_property_readonly("report", [](const Workpiece& model) { return manifestOf(model.manifest()); })
+      .def_property_readonly("warnings", [](const Workpiece& model) { return model.warnings(); })
+      .def_property_readonly("folder", [](const Workpiece& model) { return model.folder().string(); })
       .def("distance",
-           [](const Model& model, const Doubles& points) {
+           [](const Workpiece& model, const Doubles& points) {
              if (points.ndim() != 2 || points.shape(1) != 3) wrongShape("points", points, "(n, 3)");
              const auto xyz = points.unchecked<2>();
              std::vector<Vec3d> at(static_cast<std::size_t>(points.shape(0)));
@@ -345,10 +347,10 @@ PYBIND11_MODULE(_kerf, m) {
              return py::array_t<double>(static_cast<py::ssize_t>(found.size()), found.data());
            })
       .def("save",
-           [](Model& model, const std::string& folder) { valueOf(unlocked([&] { return model.save(folder); })); })
+           [](Workpiece& model, const std::string& folder) { valueOf(unlocked([&] { return model.save(folder); })); })
       .def(
           "_cut",
-          [](const Model& model, const std::string& id, const std::string& toml, py::object path,
+          [](const Workpiece& model, const std::string& id, const std::string& toml, py::object path,
              const std::optional<Doubles>& times, const std::optional<double>& force, py::object progress) {
             const ToolChoice tool{id, toml};
             const PathChoice way = py::isinstance<py::str>(path)
@@ -365,7 +367,7 @@ PYBIND11_MODULE(_kerf, m) {
           },
           py::arg("id"), py::arg("toml"), py::arg("path"), py::arg("times"), py::arg("force"), py::arg("progress"));
 
-  m.def("open", [](const std::string& folder) { return valueOf(unlocked([&] { return Model::open(folder); })); });
+  m.def("open", [](const std::string& folder) { return valueOf(unlocked([&] { return Workpiece::open(folder); })); });
   m.def(
       "bake",
       [](const SharedMesh& mesh, double voxel, const std::string& unit, const std::string& base,
@@ -373,7 +375,7 @@ PYBIND11_MODULE(_kerf, m) {
          const std::optional<std::array<double, 3>>& base_direction, py::object progress) {
         const BakeOptions options = bakeOptions(voxel, unit, base, base_height, close, occlusal_plane, base_direction);
         PythonProgress told(std::move(progress));
-        return valueOf(unlocked([&] { return Model::bake(*mesh, options, told.callback()); }));
+        return valueOf(unlocked([&] { return Workpiece::bake(*mesh, options, told.callback()); }));
       },
       py::arg("mesh"), py::arg("voxel"), py::arg("unit"), py::arg("base"), py::arg("base_height"), py::arg("close"),
       py::arg("occlusal_plane"), py::arg("base_direction"), py::arg("progress"));

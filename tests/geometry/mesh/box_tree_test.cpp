@@ -27,7 +27,9 @@ TEST(BoxTree, FindsTheBoxesThatASearchOfAllFinds) {
     std::set<std::uint32_t> found, expected;
     EXPECT_TRUE(tree.visit([&](const Box3& node) { return overlap(node, asked); },
                            [&](std::uint32_t n) {
-                             if (overlap(boxes[n], asked)) EXPECT_TRUE(found.insert(n).second) << "twice";
+                             if (overlap(boxes[n], asked)) {
+                               EXPECT_TRUE(found.insert(n).second) << "twice";
+                             }
                              return true;
                            }));
     for (std::uint32_t n = 0; n < boxes.size(); ++n)

@@ -28,7 +28,7 @@ void drawPoint(const AppContext& context, bool is_over) {
     point = readoutAt(context.bench, rayUnder(context.camera, at[0], at[1], context.width, context.height));
   }
   const Vec3d p = point ? point->point : Vec3d(Vec3d::Zero());
-  reading("Point", point ? shownNumbers("{:.2f}, {:.2f}, {:.2f}", p[0], p[1], p[2]) : "-", "");
+  reading("Point", point ? shownNumbers("{:.1f}  {:.1f}  {:.1f}", p[0], p[1], p[2]) : "-", "");
   reading("Thickness", point && point->thickness_mm ? shownNumbers("{:.2f}", *point->thickness_mm) : "-", "mm");
   reading("Tissue", point && !point->tissue.empty() ? point->tissue : "-", "");
 }
