@@ -154,12 +154,12 @@ TEST_F(ExportPlanTest, NothingIsReplacedAtTheFirstWord) {
   EXPECT_NE(refused.error().message().find("an existing file"), std::string::npos) << refused.error().message();
   EXPECT_EQ(fs::file_size(besideScan("bar-cut.stl")), 4u);
   EXPECT_TRUE(plan_.asksToReplace()) << "a button, or Enter, asked for once more";
-  const fs::path before = plan_.file();
-  for (const char* const typed : {"jaw", "jaw.off", "jaw.offset"}) plan_.setName(typed, before);
-  EXPECT_EQ(plan_.file(), before.parent_path() / "jaw.offset.stl") << "the ending stays through all that is typed";
-  plan_.setName("/elsewhere/jaw", before);
+  const fs::path typed_over = plan_.file();
+  for (const char* const typed : {"jaw", "jaw.off", "jaw.offset"}) plan_.setName(typed, typed_over);
+  EXPECT_EQ(plan_.file(), typed_over.parent_path() / "jaw.offset.stl") << "the ending stays through all that is typed";
+  plan_.setName("/elsewhere/jaw", typed_over);
   EXPECT_EQ(plan_.file(), "/elsewhere/jaw.stl") << "a whole path is taken";
-  plan_.setName("bar-cut.stl", before);
+  plan_.setName("bar-cut.stl", typed_over);
   EXPECT_FALSE(plan_.asksToReplace()) << "another name is another question";
   plan_.write();
   EXPECT_TRUE(plan_.asksToReplace());
