@@ -17,7 +17,14 @@ foreach(program kerf kerf-sim kerf-bridge-haply kerf-bridge-simulated kerf-bridg
     install(TARGETS ${program} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} OPTIONAL)  # those that were built
   endif()
 endforeach()
-install(DIRECTORY ${CMAKE_SOURCE_DIR}/assets/ DESTINATION ${CMAKE_INSTALL_DATADIR}/kerf)
+install(DIRECTORY ${CMAKE_SOURCE_DIR}/assets/ DESTINATION ${CMAKE_INSTALL_DATADIR}/kerf PATTERN desktop EXCLUDE)
+if(KERF_BUILD_UI AND KERF_BUILD_WINDOW)  # entry in the menu, icon, file types
+  set(desktop ${CMAKE_SOURCE_DIR}/assets/desktop)
+  install(FILES ${desktop}/kerf-sim.desktop DESTINATION ${CMAKE_INSTALL_DATADIR}/applications)
+  install(FILES ${desktop}/kerf.svg DESTINATION ${CMAKE_INSTALL_DATADIR}/icons/hicolor/scalable/apps)
+  install(FILES ${desktop}/kerf-mime.xml DESTINATION ${CMAKE_INSTALL_DATADIR}/mime/packages RENAME kerf.xml)
+  install(FILES ${desktop}/kerf-sim.metainfo.xml DESTINATION ${CMAKE_INSTALL_DATADIR}/metainfo)
+endif()
 if(KERF_BUILD_UI)  # manual pages and completion of the programs
   install(DIRECTORY ${CMAKE_BINARY_DIR}/share/ DESTINATION ${CMAKE_INSTALL_DATADIR})
 endif()
