@@ -40,7 +40,7 @@ Expected<const ItkReader*> findReader() {
                  .file = std::move(file),
                  .found = std::move(found),
                  .expected = std::string("the library of Kerf ") + kVersion + " that reads volumes and slices of a CT",
-                 .hint = "install or build Kerf again, as a whole"});
+                 .hint = "apt install kerf-volumes; without packages install or build Kerf again, as a whole"});
   };
 
   for (const fs::path& place : places) {
