@@ -37,7 +37,10 @@ install(TARGETS kerf_options kerf_geometry kerf_exact kerf_files kerf_run kerf_s
         ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(EXPORT kerfTargets NAMESPACE kerf:: DESTINATION ${package})
 install(TARGETS kerf_volumes LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/kerf)
+# All that is installed beside the programs: scripts/install and scripts/package build it.
+add_custom_target(kerf_installed DEPENDS kerf_library kerf_volumes)
 if(KERF_BUILD_PYTHON)
+  add_dependencies(kerf_installed kerf_python)
   # Where Debian's interpreter looks, whatever the prefix is.
   set(modules lib/python3/dist-packages/kerf)
   install(TARGETS kerf_python LIBRARY DESTINATION ${modules})

@@ -232,7 +232,7 @@ Expected<void> WorkpieceCut::save(const fs::path& run_folder) const {
                  .file = run_folder.string(),
                  .found = "a run of a case that is in no folder yet",
                  .expected = "a saved case: a run refers to it",
-                 .hint = "save the model first"});
+                 .hint = "save the case first"});
   KERF_TRY(manifest, readRunManifest(state_->run));
   KERF_TRY(case_path, internal::relativeCasePath(case_folder, run_folder));
   manifest.case_path = case_path;

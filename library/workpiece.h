@@ -20,7 +20,7 @@
 
 namespace kerf {
 
-/// A tool, by one of three ways.
+/// A tool of the rack, of a file, or from text.
 struct ToolChoice {
   std::string id_or_file;  ///< empty: `text`
   std::string text;        ///< content of a tool file (assets/tools/README.md)
@@ -29,7 +29,7 @@ struct ToolChoice {
   static ToolChoice ofText(std::string toml) { return {{}, std::move(toml)}; }
 };
 
-/// The way of a tool, by one of two ways.
+/// The path of a tool, from a file or from poses.
 struct PathChoice {
   std::filesystem::path path;  ///< empty: `poses`
   std::vector<PathPose> poses;

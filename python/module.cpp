@@ -41,7 +41,7 @@ T valueOf(Expected<T> result) {
 }
 
 // Looks for Ctrl-C, and calls the user's function: progress(fraction, step). A false result or an exception cancels.
-// Without the interpreter's lock a working thread must not fail: it only asks.
+// Its error, and Ctrl-C, come out of the call: raise().
 class PythonProgress {
  public:
   explicit PythonProgress(py::object function) : function_(std::move(function)) {}

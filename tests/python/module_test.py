@@ -4,6 +4,7 @@ import signal
 import tempfile
 import threading
 import time
+import tomllib
 import unittest
 
 import numpy as np
@@ -64,7 +65,14 @@ class Module(unittest.TestCase):
         self.assertGreater(cut.forces["contact_N"].max(), 0.5)
         self.assertTrue((np.diff(cut.forces["t_s"]) > 0).all())
 
-    def test_a_tool_from_a_dictionary(self):
+    def test_a_tool_from_a_dictionary_cuts_as_that_of_the_rack(self):
+        rack = kerf.tool("round-014")
+        with open(rack.file, "rb") as file:
+            keys = tomllib.load(file)
+        cut, wanted = self.case.cut(kerf.Tool(keys), ACROSS), self.case.cut(rack, ACROSS)
+        np.testing.assert_array_equal(cut.mesh.vertices, wanted.mesh.vertices)
+
+    def test_a_dictionary_that_is_no_tool_is_refused(self):
         keys = {"format": "kerf-tool", "version": 1}
         with self.assertRaises(kerf.Error) as caught:
             self.case.cut(kerf.Tool(keys), ACROSS)
