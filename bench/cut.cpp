@@ -5,7 +5,9 @@
 #include <cmath>
 
 #include "bench/bench.h"
+#include "bench/scenes/fluted_mesh.h"
 #include "geometry/tool/tool_shape.h"
+#include "geometry/tool/turned_mesh.h"
 #include "sim/run/sweep/sweep_cutter.h"
 
 namespace kerf::cli {
@@ -31,26 +33,46 @@ BrickField blockField(double h) {
   return phi0;
 }
 
+// Tissue in the sweep, mm3, by counting nodes.
+double removedBy(const SweepCutter& cutter, const BrickField& block) {
+  std::size_t nodes = 0;
+  for (std::size_t b = 0; b < cutter.sweep().brickCount(); ++b)
+    if (const int at = block.find(cutter.sweep().brickCoord(b)); at >= 0)
+      for (std::size_t n = 0; n < kBrickNodes; ++n)
+        nodes += std::max(cutter.sweep().brick(b)[n], block.brick(static_cast<std::size_t>(at))[n]) < 0;
+  return static_cast<double>(nodes) * std::pow(block.voxel(), 3);
+}
+
 }  // namespace
 
 // A bur drawn through the block along a wavy line, 0.6 mm deep.
 Expected<Result> benchCutBur(const Bench& bench) {
   KERF_TRY(tool, toolOfRack("round-014"));
   const BrickField phi0 = blockField(0.05);
-  SweepCutter cutter(phi0);
+  SweepCutter cutter(phi0), mesh_cutter(phi0);
+  const double length = tool.cutting->highest();
+  const Mesh mesh = flutedMesh([&](double z) { return tool.cutting->radiusAt(z); }, length);
+  const auto turned = shapeOf(turnedMesh(mesh, 0, length));
   const auto pose = [](int n) {
     const double x = -4 + 0.02 * n;
     return Rigid3{Eigen::Quaterniond::Identity(), Vec3d(x, 0.6 * std::sin(x), -0.6)};
   };
 
   Result r(SceneId::kCutBur, "one motion of 0.02 mm of round-014 in a block at 0.05 mm");
+  double mesh_ms = 0, bur_ms = 0;
   for (int n = 0; n < 400; ++n) {
     if (n % 16 == 0 && !report(bench.progress, n / 400.0, "cutting")) return cancelled();
     const double start = now();
     cutter.advance(SweptTool(*tool.cut, pose(n), pose(n + 1)));
     r.ms.push_back(now() - start);
+    bur_ms += r.ms.back();
+    const double mesh_start = now();
+    mesh_cutter.advance(SweptTool(*turned, pose(n), pose(n + 1)));
+    mesh_ms += now() - mesh_start;
   }
   r.state_hash = fmt::format("{:016x}", cutter.sweep().stateHash());
+  r.add("a fluted mesh of it: time over the bur's", mesh_ms / bur_ms);
+  r.add("  removal off by", 100 * std::abs(removedBy(mesh_cutter, phi0) / removedBy(cutter, phi0) - 1), "%");
   return r;
 }
 

@@ -15,6 +15,10 @@ inline constexpr Goal kOpenGoals[] = {
     {"processor time, p50", "s", kAtMost, 5},
     {"most memory", "GB", kAtMost, 1.2},
 };
+inline constexpr Goal kCutBurGoals[] = {
+    {"a fluted mesh of it: time over the bur's", "", kAtMost, 2},
+    {"  removal off by", "%", kAtMost, 1},
+};
 inline constexpr Goal kExportGoals[] = {
     {"processor time, p50", "s", kAtMost, 1.2, Weight::kAim},
 };

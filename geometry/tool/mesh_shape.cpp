@@ -6,8 +6,6 @@
 #include <numeric>
 #include <utility>
 
-#include "geometry/mesh/box_tree.h"
-
 namespace kerf {
 namespace {
 
@@ -46,7 +44,7 @@ Nearest nearestOnTriangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, const 
 
 }  // namespace
 
-MeshShape::MeshShape(Mesh mesh, bool is_convex) : box_(kerf::bounds(mesh)), is_convex_(is_convex) {
+MeshShape::MeshShape(const Mesh& mesh) : box_(kerf::bounds(mesh)) {
   const std::size_t count = mesh.triangles.size();
   std::vector<Vec3d> faces(count), corners(mesh.vertices.size(), Vec3d::Zero()), centers(count);
   std::map<std::pair<std::uint32_t, std::uint32_t>, Vec3d> edges;
@@ -145,94 +143,12 @@ double MeshShape::distance(const Vec3d& p) const noexcept {
   return normal.dot(p - best.point) < 0 ? -length : length;
 }
 
-double HalfShape::distance(const Vec3d& p) const noexcept {
-  return std::max(solid_->distance(p), is_below_ ? p[2] - level_ : level_ - p[2]);
-}
+double HalfShape::distance(const Vec3d& p) const noexcept { return std::max(solid_->distance(p), level_ - p[2]); }
 
 Box3 HalfShape::bounds() const {
   Box3 box = solid_->bounds();
-  if (is_below_)
-    box.max[2] = std::min(box.max[2], level_);
-  else
-    box.min[2] = std::max(box.min[2], level_);
+  box.min[2] = std::max(box.min[2], level_);
   return box;
-}
-
-namespace {
-
-// True if no vertex lies more than `slack` mm above the plane of any triangle. A tree of vertices bounds the height of
-// those in a box, so a fine mesh needs few tests.
-bool isConvex(const Mesh& mesh, double slack) {
-  std::vector<Box3> points(mesh.vertices.size());
-  for (std::size_t v = 0; v < points.size(); ++v) points[v].add(mesh.vertices[v]);
-  const BoxTree tree(std::move(points));
-
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const Vec3d area = doubleAreaVector(mesh, t), on_plane = mesh.corner(t, 0);
-    const double length = area.norm();
-    if (length <= 1e-12) continue;  // mm^2: a sliver of the cut has no plane
-    const auto may_be_above = [&](const Box3& box) {
-      const Vec3d low = area.cwiseProduct(box.min - on_plane), high = area.cwiseProduct(box.max - on_plane);
-      return low.cwiseMax(high).sum() > slack * length;
-    };
-    const auto is_below = [&](std::uint32_t v) { return !(area.dot(mesh.vertices[v] - on_plane) > slack * length); };
-    if (!tree.visit(may_be_above, is_below)) return false;
-  }
-  return true;
-}
-
-}  // namespace
-
-std::optional<Mesh> convexPartBelow(const Mesh& mesh, double level, double slack) {
-  Mesh part;
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> index;  // of a vertex (twice) or of a cut edge
-  const auto vertex = [&](std::uint32_t a, std::uint32_t b) {
-    const auto [at, is_new] = index.try_emplace(std::minmax(a, b), static_cast<std::uint32_t>(part.vertices.size()));
-    if (is_new) {
-      const Vec3d &low = mesh.vertices[std::min(a, b)], &high = mesh.vertices[std::max(a, b)];
-      const double rise = high[2] - low[2];
-      Vec3d p = a == b ? low : Vec3d(low + (level - low[2]) / rise * (high - low));
-      if (a != b) p[2] = level;
-      part.vertices.push_back(p);
-    }
-    return at->second;
-  };
-
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> rim;  // level edges of the part, the part on their left
-  for (const Triangle& t : mesh.triangles) {
-    std::vector<std::uint32_t> polygon;
-    std::vector<char> is_cut;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t a = t[k], b = t[(k + 1) % 3];
-      const bool a_in = mesh.vertices[a][2] < level, b_in = mesh.vertices[b][2] < level;
-      if (a_in) {
-        polygon.push_back(vertex(a, a));
-        is_cut.push_back(false);
-      }
-      if (a_in != b_in) {
-        polygon.push_back(vertex(a, b));
-        is_cut.push_back(true);
-      }
-    }
-
-    for (std::size_t n = 1; n + 1 < polygon.size(); ++n)
-      part.triangles.push_back({polygon[0], polygon[n], polygon[n + 1]});
-    for (std::size_t n = 0; n < polygon.size(); ++n)
-      if (const std::size_t m = (n + 1) % polygon.size(); is_cut[n] && is_cut[m])
-        rim.emplace_back(polygon[n], polygon[m]);
-  }
-
-  if (part.triangles.empty()) return std::nullopt;
-  if (!rim.empty()) {  // a fan about its middle: right for one convex rim, and no other passes below
-    Vec3d middle = Vec3d::Zero();
-    for (const auto& [a, b] : rim) middle += part.vertices[a] / static_cast<double>(rim.size());
-    const auto center = static_cast<std::uint32_t>(part.vertices.size());
-    part.vertices.push_back(middle);
-    for (const auto& [a, b] : rim) part.triangles.push_back({center, b, a});
-  }
-
-  if (!isConvex(part, slack)) return std::nullopt;
-  return part;
 }
 
 }  // namespace kerf

@@ -1,9 +1,8 @@
-// Distance to a closed mesh: for tools imported as a mesh.
+// Distance to a closed mesh: parts of tools that do not turn, such as a handpiece.
 #pragma once
 
 #include <array>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "geometry/mesh/mesh.h"
@@ -16,11 +15,10 @@ namespace kerf {
 class MeshShape final : public ToolShape {
  public:
   /// @pre closed, 2-manifold, turned outwards, without self-intersections (checkMesh); mm.
-  /// @param is_convex  true for a mesh known to be convex (convexPartBelow): makes sweeps much faster.
-  explicit MeshShape(Mesh mesh, bool is_convex = false);
+  explicit MeshShape(const Mesh& mesh);
   double distance(const Vec3d& p) const noexcept override;
   Box3 bounds() const override { return box_; }
-  bool isConvex() const override { return is_convex_; }
+  bool isConvex() const override { return false; }
 
  private:
   struct Node {
@@ -36,18 +34,16 @@ class MeshShape final : public ToolShape {
   std::uint32_t build(std::uint32_t first, std::uint32_t count, const std::vector<Vec3d>& centers);
 
   Box3 box_;
-  bool is_convex_;
   std::vector<Corners> triangles_;
   std::vector<std::uint32_t> order_;
   std::vector<Node> nodes_;
 };
 
-/// The part of a solid below (or above) a level z. Exact inside; outside a lower bound if the rest of the solid or the
+/// The part of a solid above a level z. Exact inside; outside a lower bound if the rest of the solid or the
 /// rim of the cut is nearer. The zero level is exact.
 class HalfShape final : public ToolShape {
  public:
-  HalfShape(std::shared_ptr<const ToolShape> solid, double level, bool is_below)
-      : solid_(std::move(solid)), level_(level), is_below_(is_below) {}
+  HalfShape(std::shared_ptr<const ToolShape> solid, double level) : solid_(std::move(solid)), level_(level) {}
   double distance(const Vec3d& p) const noexcept override;
   Box3 bounds() const override;
   bool isConvex() const override { return solid_->isConvex(); }
@@ -55,11 +51,6 @@ class HalfShape final : public ToolShape {
  private:
   std::shared_ptr<const ToolShape> solid_;
   double level_;
-  bool is_below_;
 };
-
-/// The part of a closed mesh below z = level as a closed mesh with a flat cap, if that part is convex: no point of it
-/// is farther than `slack` mm above the plane of any of its triangles. @cost O(n log n) for a part of n triangles.
-std::optional<Mesh> convexPartBelow(const Mesh& mesh, double level, double slack = 5e-4);
 
 }  // namespace kerf

@@ -7,11 +7,13 @@
 #include "geometry/mesh/mesh_check.h"
 #include "geometry/tool/mesh_shape.h"
 #include "geometry/tool/tool_kinds.h"
+#include "geometry/tool/turned_mesh.h"
 
 namespace kerf {
 namespace {
 
 namespace fs = std::filesystem;
+constexpr double kLeastRound = 0.6;  // of its solid of revolution: a shank with a flat is round, a handpiece is not
 constexpr const char* kMeshKeys[] = {"mesh", "mm_per_unit", "tip", "axis", "cut_below"};
 
 bool isMeshName(const std::string& name) {
@@ -75,12 +77,29 @@ void readMeshTool(TomlTable& top, const fs::path& folder, Tool& tool) {
         "the mesh's lowest point along the axis", fmt::format("tip = [{:.6g}, {:.6g}, {:.6g}]", at[0], at[1], at[2]));
   }
 
-  const auto solid = std::make_shared<const MeshShape>(mesh);
-  if (auto part = convexPartBelow(mesh, tool.cut_below_mm))
-    tool.cut = std::make_shared<const MeshShape>(std::move(*part), true);
-  else
-    tool.cut = std::make_shared<const HalfShape>(solid, tool.cut_below_mm, true);
-  if (tool.cut_below_mm < box.max[2]) tool.body = std::make_shared<const HalfShape>(solid, tool.cut_below_mm, false);
+  const double cut_to = std::min(tool.cut_below_mm, box.max[2]);
+  const TurnedMesh cut = turnedMesh(mesh, box.min[2], cut_to);
+  if (cut.second_ring_at)
+    return top.reject(
+        "cut_below",
+        fmt::format("{:.6g}, and at {:.3g} mm the cutting part is more than one disc or ring about its axis",
+                    tool.cut_below_mm, *cut.second_ring_at),
+        "a part that turns: one disc or one ring at every height",
+        "a smaller cut_below if a handle is in its way; else check `tip` and `axis`");
+  tool.cut = shapeOf(cut);
+  tool.cutting = std::make_shared<const RevolvedProfile>(cut.outline);
+  tool.hollows = cut.hollows;
+  tool.turned_mm3 = cut.volume_mm3;
+  tool.unturned_mm3 = cut.mesh_volume_mm3;
+
+  if (cut_to < box.max[2]) {
+    const TurnedMesh body = turnedMesh(mesh, cut_to, box.max[2]);
+    tool.body_turns = !body.second_ring_at && body.mesh_volume_mm3 > kLeastRound * body.volume_mm3;
+    if (tool.body_turns)
+      tool.body = shapeOf(body);
+    else
+      tool.body = std::make_shared<const HalfShape>(std::make_shared<const MeshShape>(mesh), cut_to);
+  }
   tool.mesh = std::make_shared<const Mesh>(std::move(mesh));
 }
 

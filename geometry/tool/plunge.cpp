@@ -112,76 +112,19 @@ double sidewaysPlunge(const RevolvedProfile& head, double depth) {
   return sum;
 }
 
-namespace {
-
-// Box of the part of a mesh below a height.
-Box3 boxBelow(const Mesh& mesh, double top) {
-  Box3 part;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-    for (int k = 0; k < 3; ++k) {
-      const Vec3d a = mesh.corner(t, k), b = mesh.corner(t, (k + 1) % 3);
-      if (a[2] <= top) part.add(a);
-      if ((a[2] < top) != (b[2] < top)) part.add(Vec3d(a + (top - a[2]) / (b[2] - a[2]) * (b - a)));
-    }
-  return part;
-}
-
-// A picture of heights from below: per cell the lowest point of a mesh, infinite without a point below `top`.
-class HeightPicture {
- public:
-  static constexpr int kCells = 1200;
-
-  HeightPicture(const Box3& part, double cell)
-      : part_(part),
-        cell_(cell),
-        lowest_(static_cast<std::size_t>(kCells) * kCells, std::numeric_limits<double>::infinity()) {}
-
-  void add(const Mesh& mesh, std::size_t t, double top) {
-    const Vec3d a = mesh.corner(t, 0), u = mesh.corner(t, 1) - a, v = mesh.corner(t, 2) - a;
-    const double twice = u[0] * v[1] - u[1] * v[0];
-    if (twice >= 0 || std::min({a[2], a[2] + u[2], a[2] + v[2]}) > top) return;  // seen from below it is turned away
-
-    const auto range = [&](int axis) {
-      const double low = a[axis] + std::min({0.0, u[axis], v[axis]}),
-                   high = a[axis] + std::max({0.0, u[axis], v[axis]});
-      return std::pair(std::clamp(static_cast<int>((low - part_.min[axis]) / cell_), 0, kCells),
-                       std::clamp(static_cast<int>((high - part_.min[axis]) / cell_) + 1, 0, kCells));
-    };
-    const auto [i0, i1] = range(0);
-    const auto [j0, j1] = range(1);
-    for (int i = i0; i < i1; ++i)
-      for (int j = j0; j < j1; ++j) {
-        const double x = part_.min[0] + (i + 0.5) * cell_ - a[0], y = part_.min[1] + (j + 0.5) * cell_ - a[1];
-        const double s = (x * v[1] - y * v[0]) / twice, r = (u[0] * y - u[1] * x) / twice;
-        if (s < 0 || r < 0 || s + r > 1) continue;
-        double& z = lowest_[static_cast<std::size_t>(i) * kCells + static_cast<std::size_t>(j)];
-        z = std::min(z, a[2] + s * u[2] + r * v[2]);
-      }
+double turnedPlunge(const RevolvedProfile& outline, const std::vector<RevolvedProfile>& hollows, double depth) {
+  constexpr int kSteps = 20000;
+  double sum = 0, widest = 0, narrowest = std::numeric_limits<double>::infinity();
+  for (int n = 0; n < kSteps; ++n) {
+    const double z = outline.lowest() + (n + 0.5) * depth / kSteps;
+    double hollow = 0;
+    for (const RevolvedProfile& one : hollows) hollow = std::max(hollow, one.radiusAt(z));
+    const double radius = outline.radiusAt(z);
+    widest = std::max(widest, radius);
+    if (radius > hollow) narrowest = std::min(narrowest, hollow);
+    if (narrowest < widest) sum += widest * widest - narrowest * narrowest;
   }
-
-  const std::vector<double>& lowest() const { return lowest_; }
-
- private:
-  Box3 part_;
-  double cell_;
-  std::vector<double> lowest_;
-};
-
-}  // namespace
-
-double meshPlunge(const Mesh& mesh, double top, double depth) {
-  const Box3 part = boxBelow(mesh, top);
-  if (part.isEmpty()) return 0;
-  const double cell = std::max(part.size()[0], part.size()[1]) / HeightPicture::kCells;
-  if (!(cell > 0)) return 0;
-
-  HeightPicture picture(part, cell);
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) picture.add(mesh, t, top);
-
-  double sum = 0;
-  for (const double z : picture.lowest())
-    if (z < top) sum += std::max(0.0, depth - z);
-  return sum * cell * cell;
+  return std::numbers::pi * sum * depth / kSteps;
 }
 
 }  // namespace kerf::internal

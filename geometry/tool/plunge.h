@@ -1,7 +1,8 @@
 // Volumes that tools remove from a half-space in a straight plunge, from their outlines: parts of plungeVolume().
 #pragma once
 
-#include "geometry/mesh/mesh.h"
+#include <vector>
+
 #include "geometry/tool/tool_shape.h"
 
 namespace kerf::internal {
@@ -11,8 +12,8 @@ namespace kerf::internal {
 double revolvedPlunge(const RevolvedProfile& head, double depth);
 /// Sideways, `depth` mm from the widest radius inwards: the integral of the segments that its circles cut. mm^3.
 double sidewaysPlunge(const RevolvedProfile& head, double depth);
-/// Along -z: columns above the lowest triangles of the part below `top`, good to 1e-3 of itself. mm^3.
-double meshPlunge(const Mesh& mesh, double top, double depth);
+/// Along its axis for an outline with hollows, which leave a core; good to 1e-3 of itself. mm^3.
+double turnedPlunge(const RevolvedProfile& outline, const std::vector<RevolvedProfile>& hollows, double depth);
 
 /// Area that a circle of radius r cuts out of a half-plane `offset` away from its centre, pushed in along the normal: 2
 /// x integral over 0 <= x <= limit of max(0, sqrt(r^2 - x^2) - offset). mm^2.

@@ -42,7 +42,7 @@ double plungeVolume(const Tool& tool, double depth_mm, double window_mm) {
     case ToolKind::kBlade:
       return tool.motion->plunge_volume(tool, depth_mm, window_mm);
     case ToolKind::kMesh:
-      return internal::meshPlunge(*tool.mesh, tool.cut_below_mm, depth_mm);
+      return internal::turnedPlunge(*tool.cutting, tool.hollows, depth_mm);
   }
   return 0;
 }
@@ -61,6 +61,8 @@ std::string describe(const Tool& tool) {
   } else if (tool.kind == ToolKind::kMesh) {
     text += fmt::format("  mesh of {} triangles, cuts up to {:.3g} mm above its tip\n", tool.mesh->triangles.size(),
                         tool.cut_below_mm);
+    text += fmt::format("  turns about its axis: fills {:.6g} mm3 there, its mesh {:.6g} mm3{}\n", tool.turned_mm3,
+                        tool.unturned_mm3, tool.body_turns ? "" : "; its body does not turn");
   } else {
     text += fmt::format("  {} blade {:.3g} mm thick, set {:.3g} mm per side: kerf {:.3g} mm\n", tool.motion->name,
                         tool.thickness_mm, tool.set_per_side_mm, tool.kerfWidth());
@@ -101,6 +103,9 @@ std::string toJson(const Tool& tool) {
     j["mesh_file"] = tool.mesh_file.string();
     j["triangles"] = tool.mesh->triangles.size();
     j["cuts_to_mm"] = tool.cut_below_mm;
+    j["turned_volume_mm3"] = tool.turned_mm3;
+    j["mesh_volume_mm3"] = tool.unturned_mm3;
+    j["body_turns"] = tool.body_turns;
   } else {
     j["motion"] = tool.motion->name;
     j["thickness_mm"] = tool.thickness_mm;

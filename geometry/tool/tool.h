@@ -8,7 +8,8 @@
 //          sagittal: teeth along the tip, an arc about the pivot at z = length; swings in the plane y = 0, cuts towards
 //          -z. The envelope is the sector its teeth sweep.
 //          disc: revolved about +z like a bur, 0 <= z <= kerf; cuts with its rim, plunges along -x.
-//   mesh   any closed solid, placed by its tip and axis; the part below a height cuts, along -z.
+//   mesh   any closed solid, placed by its tip and axis; it turns about +z. The solid of revolution of the part below a
+//          height cuts, along -z.
 #pragma once
 
 #include <filesystem>
@@ -53,7 +54,7 @@ struct Tool {
 
   DriveNumbers drive;
 
-  // Bur and disc: outlines of the revolved parts.
+  // Bur and disc: outlines of the revolved parts. Mesh: `cutting`.
   std::shared_ptr<const RevolvedProfile> head;     ///< all of the head
   std::shared_ptr<const RevolvedProfile> cutting;  ///< its cutting part
   std::vector<RevolvedProfile> body_outlines;      ///< its inert parts; together they are `body`
@@ -71,8 +72,11 @@ struct Tool {
 
   // Mesh.
   std::filesystem::path mesh_file;
-  std::shared_ptr<const Mesh> mesh;  ///< all of it, tool frame, mm
-  double cut_below_mm = 0;           ///< the part below this height cuts
+  std::shared_ptr<const Mesh> mesh;      ///< all of it, tool frame, mm
+  double cut_below_mm = 0;               ///< the part below this height cuts: its solid of revolution, `cutting`, ...
+  std::vector<RevolvedProfile> hollows;  ///< ... without these
+  double turned_mm3 = 0, unturned_mm3 = 0;  ///< volume of that solid, and of the mesh there
+  bool body_turns = true;                   ///< false: `body` is the mesh as it is, such as a handpiece
 
   double kerfWidth() const { return thickness_mm + 2 * set_per_side_mm; }  ///< blade, mm
   /// Sagittal: width of the tip's sweep, mm: W + 2 L sin(angle / 2).

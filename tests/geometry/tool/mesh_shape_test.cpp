@@ -56,37 +56,14 @@ TEST(MeshShape, SignIsRightInsideAndOutsideAHollowBall) {
   }
 }
 
-TEST(MeshShape, TheConvexPartBelowALevelIsClosedAndCutOff) {
-  const Mesh ball = ballMesh({0, 0, 0.7}, 0.7, 32);
-  const auto part = convexPartBelow(ball, 0.5);
-  ASSERT_TRUE(part);
-  expectClosedManifold(*part);
-  const double r = 0.7, h = 0.5;
-  EXPECT_NEAR(signedVolume(*part) / (std::numbers::pi * h * h * (r - h / 3)), 1, 0.01);
-  EXPECT_NEAR(bounds(*part).max[2], 0.5, 1e-12);
-  const auto all = convexPartBelow(ball, 5);
-  ASSERT_TRUE(all);
-  EXPECT_NEAR(signedVolume(*all), signedVolume(ball), 1e-12);
-  EXPECT_FALSE(convexPartBelow(ball, -1));  // nothing
-  Mesh two = ball;
-  append(two, ballMesh({3, 0, 0.7}, 0.7, 16));
-  EXPECT_FALSE(convexPartBelow(two, 0.5));
-  // A waist: convex below it, concave beyond.
-  Mesh waisted = boxMesh({Vec3d(-1, -1, 0), Vec3d(1, 1, 1)});
-  for (std::size_t v = 4; v < 8; ++v) waisted.vertices[v] *= 0.5;
-  EXPECT_TRUE(convexPartBelow(waisted, 0.3));
-}
-
-TEST(HalfShape, IsTheSolidBelowOrAboveALevel) {
+TEST(HalfShape, IsTheSolidAboveALevel) {
   const auto ball = std::make_shared<MeshShape>(ballMesh({0, 0, 0}, 1, 24));
-  const HalfShape below(ball, 0.3, true), above(ball, 0.3, false);
+  const HalfShape above(ball, 0.3);
   Random random;
   for (int n = 0; n < 2000; ++n) {
     const Vec3d p = random.point(1.5);
-    EXPECT_EQ(below.distance(p) < 0, ball->distance(p) < 0 && p[2] < 0.3);
     EXPECT_EQ(above.distance(p) < 0, ball->distance(p) < 0 && p[2] > 0.3);
   }
-  EXPECT_EQ(below.bounds().max[2], 0.3);
   EXPECT_EQ(above.bounds().min[2], 0.3);
 }
 

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <numbers>
 
+#include "bench/scenes/fluted_mesh.h"
 #include "geometry/formats/mesh_writer.h"
 #include "geometry/tool/tool_file.h"
 #include "sim/run/sweep/tool_check.h"
@@ -37,7 +38,7 @@ TEST(MeshTool, ABallInInchesLyingOnItsSideIsABallBur) {
   EXPECT_EQ(tool->body, nullptr);  // all of it cuts
   EXPECT_NEAR(tool->cut->distance(Vec3d(0, 0, 0.7)), -0.7, 0.002);
   EXPECT_NEAR(tool->cut->distance(Vec3d(0, 2, 0.7)), 1.3, 0.002);
-  EXPECT_NEAR(plungeVolume(*tool, 2) / (kPi * 0.49 * (2 - 0.7 / 3)), 1, 0.002);  // inscribed: chords of 64 rings
+  EXPECT_NEAR(plungeVolume(*tool, 2) / (kPi * 0.49 * (2 - 0.7 / 3)), 1, 0.001);  // inscribed: chords of 64 rings
   const auto check = checkTool(*tool, 0.14);
   ASSERT_TRUE(check) << check.error().message();
   EXPECT_LE(std::abs(check->errorPercent()), 1.0) << check->removed_mm3 << " instead of " << check->expected_mm3;
@@ -76,7 +77,7 @@ TEST(MeshTool, WhatIsNoToolIsRefusedWithWhatToWriteInstead) {
   }
 }
 
-// A hollow head: two balls, one on the other. The sweep has no slopes to use and samples more densely instead.
+// Two balls, one on the other. The sweep has no slopes to use and samples more densely instead.
 TEST(MeshTool, AHeadThatIsNotConvexRemovesWhatItsMeshSays) {
   const TemporaryFolder folder;
   Mesh balls = ballMesh({0, 0, 0.5}, 0.5, 16);
@@ -91,6 +92,41 @@ TEST(MeshTool, AHeadThatIsNotConvexRemovesWhatItsMeshSays) {
   const auto check = checkTool(*tool, 0.15);
   ASSERT_TRUE(check) << check.error().message();
   EXPECT_LE(std::abs(check->errorPercent()), 1.0) << check->removed_mm3 << " instead of " << check->expected_mm3;
+}
+
+// Its edges are on the cylinder of a bur with shape = "cylinder": turned, it removes as much.
+TEST(MeshTool, AFlutedMeshRemovesWhatItsSolidOfRevolutionDoes) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(writeMesh(folder.path() / "fluted.stl", flutedMesh([](double) { return 0.8; }, 4)));
+  const std::string keys = "mesh = \"fluted.stl\"\nmm_per_unit = 1\ntip = [0, 0, 0]\naxis = [0, 0, 1]\n";
+  const auto tool = readTool(folder.write("a.toml", recipe(keys + "cut_below = 4\n")));
+  ASSERT_TRUE(tool) << tool.error().message();
+  EXPECT_LT(tool->unturned_mm3, 0.8 * tool->turned_mm3);
+  const auto check = checkTool(*tool, 0.14);
+  ASSERT_TRUE(check) << check.error().message();
+  EXPECT_NEAR(check->removed_mm3 / (kPi * 0.64 * check->depth_mm), 1, 0.01);
+
+  const auto half = readTool(folder.write("a.toml", recipe(keys + "cut_below = 2\n")));
+  ASSERT_TRUE(half) << half.error().message();
+  ASSERT_TRUE(half->body && half->body_turns);
+  EXPECT_NEAR(half->body->distance({0, 1, 3}), 0.2, 0.004) << "the edges, not the bottom of a flute";
+}
+
+// A rod, and another beside it from 2 mm on.
+TEST(MeshTool, APartThatIsNotRoundAboutItsAxisIsRefusedByItsHeight) {
+  const TemporaryFolder folder;
+  Mesh mesh = tubeMesh(0.7, 0, 0, 5, 16), bar = mesh;
+  for (Vec3d& p : bar.vertices) p += Vec3d(6, 0, 2);
+  append(mesh, bar);
+  ASSERT_TRUE(writeMesh(folder.path() / "bar.stl", mesh));
+  const std::string keys = "mesh = \"bar.stl\"\nmm_per_unit = 1\ntip = [0, 0, 0]\naxis = [0, 0, 1]\n";
+  const auto refused = readTool(folder.write("a.toml", recipe(keys + "cut_below = 4\n")));
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().place, "line 10, key cut_below") << refused.error().message();
+  EXPECT_NE(refused.error().found.find("at 2 mm"), std::string::npos) << refused.error().message();
+  const auto lower = readTool(folder.write("a.toml", recipe(keys + "cut_below = 1.9\n")));
+  ASSERT_TRUE(lower) << lower.error().message();
+  EXPECT_FALSE(lower->body_turns) << "it stays beside the axis";
 }
 
 // The development mesh of a handpiece: its bur is a pencil of ten sides, 2 mm wide, with its point at the origin.
@@ -111,9 +147,10 @@ TEST(MeshTool, TheBurOfAHandpieceCutsAndTheHandpieceOnlyCollides) {
   EXPECT_GT(tool->cut->distance(Vec3d(0, 0, 10)), 3.9);
   EXPECT_LT(tool->body->distance(Vec3d(0, 0, 10)), -0.8);
   EXPECT_GT(tool->body->bounds().max[2], 30);
+  EXPECT_FALSE(tool->body_turns);
   // Ten sides, 1 mm to the corners, behind a point 1.236 mm long.
-  const double area = 10 * 0.5 * std::sin(kPi / 5);
-  EXPECT_NEAR(plungeVolume(*tool, 3) / (area * (3 - 2.0 / 3 * 1.2361)), 1, 0.002);
+  EXPECT_NEAR(plungeVolume(*tool, 3) / (kPi * (3 - 2.0 / 3 * 1.2361)), 1, 0.005);  // the axis is off by 0.002 mm
+  EXPECT_NEAR(tool->unturned_mm3 / tool->turned_mm3, 10 * 0.5 * std::sin(kPi / 5) / kPi, 0.01);
   const auto check = checkTool(*tool, 0.2);
   ASSERT_TRUE(check) << check.error().message();
   EXPECT_LE(std::abs(check->errorPercent()), 1.0) << check->removed_mm3 << " instead of " << check->expected_mm3;

@@ -88,12 +88,12 @@ TEST(ToolResolution, PointsThatResponsesLetThroughAreFlamesAndNeedles) {
   EXPECT_EQ(pointed, (std::set<std::string>{"858-012", "859-012", "862-012", "862-016", "863-012"}));
 }
 
-// A rod of 0.25 mm, 4 mm long, of constant width.
+// A square rod of 0.2 mm, 4 mm long: turned, it is 0.28 mm wide.
 TEST(ToolResolution, AThinMeshIsPointed) {
   const TemporaryFolder folder;
   folder.write("rod.obj",
-               "v -0.125 -0.125 0\nv 0.125 -0.125 0\nv 0.125 0.125 0\nv -0.125 0.125 0\nv -0.125 -0.125 4\n"
-               "v 0.125 -0.125 4\nv 0.125 0.125 4\nv -0.125 0.125 4\nf 1 3 2\nf 1 4 3\nf 5 6 7\nf 5 7 8\n"
+               "v -0.1 -0.1 0\nv 0.1 -0.1 0\nv 0.1 0.1 0\nv -0.1 0.1 0\nv -0.1 -0.1 4\n"
+               "v 0.1 -0.1 4\nv 0.1 0.1 4\nv -0.1 0.1 4\nf 1 3 2\nf 1 4 3\nf 5 6 7\nf 5 7 8\n"
                "f 1 2 6\nf 1 6 5\nf 2 3 7\nf 2 7 6\nf 3 4 8\nf 3 8 7\nf 4 1 5\nf 4 5 8\n");
   folder.write("rod.toml",
                "format = \"kerf-tool\"\nversion = 1\nid = \"rod\"\nname = \"Rod\"\nkind = \"mesh\"\n"
