@@ -1,4 +1,8 @@
 # What kerf::geometry and kerf::sim link: Kerf's own build reads it, and find_package(kerf) from outside.
+if(POLICY CMP0167)  # CMake 3.30 and newer: Boost's own CMake files, here and in the files of OpenVDB and CGAL
+  cmake_policy(SET CMP0167 NEW)
+  set(CMAKE_POLICY_DEFAULT_CMP0167 NEW)
+endif()
 find_package(PkgConfig REQUIRED)
 find_package(Threads REQUIRED)
 find_package(TBB CONFIG REQUIRED)  # before OpenVDB, whose own FindTBB could pick another one
