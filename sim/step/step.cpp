@@ -5,30 +5,12 @@
 #include <cmath>
 #include <numbers>
 
-#if defined(__SSE2__)
-#include <xmmintrin.h>
-#endif
-
 #include "sim/step/contact_evaluation.h"
 #include "sim/step/drive.h"
+#include "sim/step/flush_denormals.h"
 
 namespace kerf {
 namespace {
-
-// Denormal numbers cost a hundred times as much as others, at unforeseeable moments. The step sets the mode itself, so
-// that it computes the same for any caller.
-class FlushDenormals {
- public:
-#if defined(__SSE2__)
-  FlushDenormals() noexcept : before_(_mm_getcsr()) { _mm_setcsr(before_ | 0x8040u); }
-  ~FlushDenormals() { _mm_setcsr(before_); }
-  FlushDenormals(const FlushDenormals&) = delete;
-  FlushDenormals& operator=(const FlushDenormals&) = delete;
-
- private:
-  unsigned before_;
-#endif
-};
 
 /// Bricks sleep until the tool has moved far enough to reach them. After a jump none may sleep: see
 /// CutObject::odometer.
@@ -339,7 +321,7 @@ std::uint64_t State::hashNow() noexcept {
 }
 
 void step(const Model& model, State& state, const DeviceSample& input, StepOutput& output) noexcept {
-  const FlushDenormals flush;
+  const FlushDenormals flush;  // here, so that it computes the same for any caller
   output = StepOutput{};
   if (latchIfUnusable(state, input, output)) {
     ++state.tick;
