@@ -1,4 +1,4 @@
-# All third-party libraries, from Debian 12. A missing required one stops the configuration; a missing optional one
+# All third-party libraries, from Debian 12 or 13. A missing required one stops the configuration; a missing optional one
 # turns a feature off, with a warning.
 include(KerfLibraries)
 include(KerfVolumes)

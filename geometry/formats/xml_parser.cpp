@@ -8,6 +8,14 @@ namespace {
 constexpr std::size_t kMostDepth = 64, kLongestToken = std::size_t{1} << 20;
 constexpr const char* kDamagedXml = "the file is damaged; export it again";
 
+auto xmlLine(XML_Parser parser) {
+#if XML_MAJOR_VERSION > 2 || XML_MINOR_VERSION >= 9
+  return XML_GetCurrentLineNumber64(parser);
+#else
+  return XML_GetCurrentLineNumber(parser);
+#endif
+}
+
 }  // namespace
 
 // Called through C: exceptions must not cross it.
@@ -72,7 +80,7 @@ XmlParser::~XmlParser() { XML_ParserFree(parser_); }
 Error XmlParser::here(Error::Code code, std::string found, std::string expected, std::string hint) const {
   return {code,
           source_.file,
-          inQuotes(part_) + " line " + std::to_string(XML_GetCurrentLineNumber(parser_)),
+          inQuotes(part_) + " line " + std::to_string(xmlLine(parser_)),
           std::move(found),
           std::move(expected),
           std::move(hint)};

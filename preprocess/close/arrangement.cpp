@@ -5,6 +5,8 @@
 #include <CGAL/Triangulation_vertex_base_with_info_2.h>
 
 #include <algorithm>
+#include <boost/variant/get.hpp>
+#include <boost/variant/variant.hpp>
 #include <map>
 #include <variant>
 
@@ -24,6 +26,16 @@ using PlaneCdt =
     CGAL::Constrained_Delaunay_triangulation_2<PlaneKernel, CGAL::Triangulation_data_structure_2<VertexBase, FaceBase>,
                                                CGAL::Exact_intersections_tag>;
 using Item = std::array<std::uint32_t, 2>;  ///< a segment between two points, or one point twice
+
+/// Null if the intersection is not a Part. CGAL 5 has variants of Boost, CGAL 6 of the standard library.
+template <class Part, class... Parts>
+const Part* partOf(const boost::variant<Parts...>& intersection) {
+  return boost::get<Part>(&intersection);
+}
+template <class Part, class... Parts>
+const Part* partOf(const std::variant<Parts...>& intersection) {
+  return std::get_if<Part>(&intersection);
+}
 
 class Arranger {
  public:
@@ -97,18 +109,18 @@ class Arranger {
   void meet(std::uint32_t i, std::uint32_t j) {
     const auto result = CGAL::intersection(triangle(i), triangle(j));
     if (!result) return;
-    if (const auto* p = boost::get<PlanePoint>(&*result)) {
+    if (const auto* p = partOf<PlanePoint>(*result)) {
       const std::uint32_t a = id(*p);
       add(i, j, a, a);
-    } else if (const auto* s = boost::get<PlaneKernel::Segment_3>(&*result)) {
+    } else if (const auto* s = partOf<PlaneKernel::Segment_3>(*result)) {
       const std::uint32_t a = id(s->source()), b = id(s->target());
       add(i, j, a, b);
     } else {
       std::vector<PlanePoint> polygon;
-      if (const auto* f = boost::get<PlaneKernel::Triangle_3>(&*result))
+      if (const auto* f = partOf<PlaneKernel::Triangle_3>(*result))
         polygon = {f->vertex(0), f->vertex(1), f->vertex(2)};
       else
-        polygon = boost::get<std::vector<PlanePoint>>(*result);
+        polygon = *partOf<std::vector<PlanePoint>>(*result);
       std::vector<std::uint32_t> ids;
       for (const PlanePoint& q : polygon) ids.push_back(id(q));
       for (std::size_t k = 0; k < ids.size(); ++k) add(i, j, ids[k], ids[(k + 1) % ids.size()]);
@@ -123,10 +135,10 @@ class Arranger {
       if (a == b) continue;
       const auto result = CGAL::intersection(PlaneKernel::Segment_3(exact(a), exact(b)), face);
       if (!result) continue;
-      if (const auto* p = boost::get<PlanePoint>(&*result)) {
+      if (const auto* p = partOf<PlanePoint>(*result)) {
         const std::uint32_t v = id(*p);
         items_[proper].push_back({v, v});
-      } else if (const auto* s = boost::get<PlaneKernel::Segment_3>(&*result)) {
+      } else if (const auto* s = partOf<PlaneKernel::Segment_3>(*result)) {
         const std::uint32_t p1 = id(s->source()), p2 = id(s->target());
         items_[proper].push_back({std::min(p1, p2), std::max(p1, p2)});
       }

@@ -220,7 +220,7 @@ PieceChanges compareWrappedPieces(const Chain& closed, const Mesh& wrap) {
     if (groups.isLarge(n)) asked.push_back(n);
   std::stable_sort(asked.begin(), asked.end(),
                    [&](std::uint32_t a, std::uint32_t b) { return groups.area[a] > groups.area[b]; });
-  asked.resize(std::min(asked.size(), kMostAsked));
+  if (asked.size() > kMostAsked) asked.erase(asked.begin() + kMostAsked, asked.end());
 
   const Solids solids = solidsOf(wrap);
   std::map<std::uint32_t, std::vector<std::uint32_t>> members;  // of each solid
