@@ -245,7 +245,10 @@ std::optional<RevolvedProfile> buildHead(TomlTable& top, const HeadShape& shape,
   if (const double widest = 2 * built->largestRadius(); std::abs(widest - n.head_diameter) > 1e-6) {
     top.reject("head_diameter", fmt::format("{}", n.head_diameter),
                fmt::format("the widest of the profile, {} mm", widest),
-               std::abs(2 * n.head_diameter - widest) < 1e-6 ? "diameters throughout, never radii" : "");
+               std::abs(2 * n.head_diameter - widest) < 1e-6   ? "diameters throughout, never radii"
+               : std::abs(n.head_diameter - 2 * widest) < 1e-6 ? "twice the profile's second numbers: diameters, "
+                                                                 "never radii"
+                                                               : "");
     return std::nullopt;
   }
   return *built;
@@ -309,6 +312,8 @@ void readBur(TomlTable& top, Tool& tool) {
   if (!head) return;
   tool.head_diameter_mm = n.head_diameter;
   tool.head_length_mm = head->highest();
+  tool.neck_diameter_mm = stem.neck;
+  tool.shank_diameter_mm = stem.shank;
   if (tool.iso) checkShank(top, *tool.iso, stem.shank, head->highest() + stem.neck_length + stem.shank_length);
   // A drill cuts with its point and the corner behind it: without that land the rim would be a knife's edge, which no
   // grid holds.

@@ -27,6 +27,7 @@ void read(TomlTable& top, Tool& tool) {
 
   tool.head_diameter_mm = diameter;
   tool.head_length_mm = tool.kerfWidth();
+  tool.shank_diameter_mm = shank;
   tool.cuts_end = false;
   const double r = 0.5 * diameter;
   tool.head = tool.cutting =

@@ -2,11 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <utility>
 
 #include "geometry/formats/mesh_formats.h"
 #include "geometry/mesh/mesh_check.h"
 #include "geometry/tool/mesh_shape.h"
+#include "geometry/tool/tool_doubt.h"
 #include "geometry/tool/tool_kinds.h"
+#include "geometry/tool/tool_template.h"
+#include "geometry/tool/tool_ways.h"
 #include "geometry/tool/turned_mesh.h"
 
 namespace kerf {
@@ -24,6 +29,30 @@ bool isMeshName(const std::string& name) {
 Vec3d readVector(TomlTable& top, const char* key) {
   const std::vector<double> v = top.numbers(key, 3);
   return {v[0], v[1], v[2]};
+}
+
+// Lines for a file whose tip is not the mesh's lowest point. An axis off the mesh's length, or from its thicker end, is
+// probably wrong: Kerf then offers the thinner end of the length.
+// @param mesh  placed: mm, its tip in the file at the origin, its axis upright.
+template <class ToFile>
+std::string tipAdvice(const Mesh& mesh, const Vec3d& axis, const ToFile& toFile) {
+  const Vec3d z = Vec3d::UnitZ();
+  const auto lines = [&](const ToolWay& way) {
+    const Vec3d begin = toFile(way.tip), end = toFile(way.tip + way.axis);
+    const Vec3d direction = way.axis == z ? Vec3d(axis) : Vec3d((end - begin).normalized());
+    return fmt::format("tip = {} and axis = {}", tomlVector(begin), tomlVector(direction));
+  };
+  const SurfaceSpread spread = spreadOf(mesh);
+  if (!spread.isSlender()) return lines(toolWayAlong(mesh, "", z));
+
+  const bool is_along = std::abs(spread.longest[2]) > std::cos(kMostDegreesOff * std::numbers::pi / 180);
+  const Vec3d length = is_along ? z : spread.longest;
+  ToolWay way = toolWayAlong(mesh, "", length), other = toolWayAlong(mesh, "", -length);
+  const auto [thin, thick] = std::minmax(way.tip_width_mm, other.tip_width_mm);
+  const bool is_open = thick < ToolWay::kDoubt * thin;  // either end may cut: the axis of the file decides, if it can
+  if (is_open && is_along ? other.tip.norm() < way.tip.norm() : other.tip_width_mm < way.tip_width_mm)
+    std::swap(way, other);
+  return lines(way) + (is_open ? "; if the other end cuts, " + lines(other) : ", from the thinner end of its length");
 }
 
 }  // namespace
@@ -53,6 +82,16 @@ void readMeshTool(TomlTable& top, const fs::path& folder, Tool& tool) {
   Mesh& mesh = file->mesh;
   const Eigen::Quaterniond upright = Eigen::Quaterniond::FromTwoVectors(axis, Vec3d::UnitZ()).normalized();
   for (Vec3d& p : mesh.vertices) p = upright * (scale * (p - tip));
+  tool.mm_per_unit = scale;
+
+  const Box3 box = bounds(mesh);
+  // Shorter or longer than any tool: most often another unit.
+  constexpr double kShortest = 1, kLongest = 500;
+  const double longest = box.size().maxCoeff();
+  if (const std::string units = unitsOfABur(longest / scale); longest < kShortest || longest > kLongest)
+    return top.reject("mm_per_unit", fmt::format("{} makes a tool of {:.4g} mm", scale, longest),
+                      fmt::format("a tool of {} to {} mm", kShortest, kLongest),
+                      units.empty() ? "the unit of the file: 1 for mm, 25.4 for inches, 1000 for metres" : units);
 
   const MeshReport report = checkMesh(mesh);
   if (!report.print_ready)
@@ -60,22 +99,11 @@ void readMeshTool(TomlTable& top, const fs::path& folder, Tool& tool) {
                       "a closed solid that does not cross itself",
                       "kerf bake closes and repairs meshes: use its solid.ply");
 
-  const Box3 box = bounds(mesh);
-  // Shorter or longer than any tool: most often another unit.
-  constexpr double kShortest = 1, kLongest = 500;
-  if (const double longest = box.size().maxCoeff(); longest < kShortest || longest > kLongest)
-    return top.reject("mm_per_unit", fmt::format("{} makes a tool of {:.4g} mm", scale, longest),
-                      fmt::format("a tool of {} to {} mm", kShortest, kLongest),
-                      "the unit of the file: 1 for mm, 25.4 for inches, 1000 for metres");
-
-  if (const double lowest = box.min[2]; std::abs(lowest) > 0.02) {
-    Vec3d at = Vec3d::Zero();
-    for (const Vec3d& p : mesh.vertices)
-      if (p[2] == lowest) at = tip + upright.conjugate() * p / scale;
+  if (const double lowest = box.min[2]; std::abs(lowest) > 0.02)
     return top.reject(
         "tip", fmt::format("the mesh begins {:.4g} mm {} it", std::abs(lowest), lowest < 0 ? "below" : "above"),
-        "the mesh's lowest point along the axis", fmt::format("tip = [{:.6g}, {:.6g}, {:.6g}]", at[0], at[1], at[2]));
-  }
+        "the mesh's lowest point along the axis",
+        tipAdvice(mesh, axis, [&](const Vec3d& p) -> Vec3d { return tip + upright.conjugate() * p / scale; }));
 
   const double cut_to = std::min(tool.cut_below_mm, box.max[2]);
   const TurnedMesh cut = turnedMesh(mesh, box.min[2], cut_to);

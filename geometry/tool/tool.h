@@ -55,13 +55,14 @@ struct Tool {
   DriveNumbers drive;
 
   // Bur and disc: outlines of the revolved parts. Mesh: `cutting`.
-  std::shared_ptr<const RevolvedProfile> head;     ///< all of the head
-  std::shared_ptr<const RevolvedProfile> cutting;  ///< its cutting part
-  std::vector<RevolvedProfile> body_outlines;      ///< its inert parts; together they are `body`
-  std::string shape;                               ///< bur: the head's shape by name
-  bool cuts_side = true, cuts_end = true;          ///< bur
-  double head_diameter_mm = 0;                     ///< bur; disc: its diameter
-  double head_length_mm = 0;                       ///< bur: along z
+  std::shared_ptr<const RevolvedProfile> head;         ///< all of the head
+  std::shared_ptr<const RevolvedProfile> cutting;      ///< its cutting part
+  std::vector<RevolvedProfile> body_outlines;          ///< its inert parts; together they are `body`
+  std::string shape;                                   ///< bur: the head's shape by name
+  bool cuts_side = true, cuts_end = true;              ///< bur
+  double head_diameter_mm = 0;                         ///< bur; disc: its diameter
+  double head_length_mm = 0;                           ///< bur: along z
+  double neck_diameter_mm = 0, shank_diameter_mm = 0;  ///< 0: none in the file
 
   // Blade.
   const BladeMotion* motion = nullptr;  ///< a row of bladeMotions(); null for other tools
@@ -77,6 +78,7 @@ struct Tool {
   std::vector<RevolvedProfile> hollows;  ///< ... without these
   double turned_mm3 = 0, unturned_mm3 = 0;  ///< volume of that solid, and of the mesh there
   bool body_turns = true;                   ///< false: `body` is the mesh as it is, such as a handpiece
+  double mm_per_unit = 1;                   ///< of mesh_file
 
   double kerfWidth() const { return thickness_mm + 2 * set_per_side_mm; }  ///< blade, mm
   /// Sagittal: width of the tip's sweep, mm: W + 2 L sin(angle / 2).

@@ -7,8 +7,16 @@
 
 namespace kerf {
 
-/// A sentence about a valid but unusual tool: a mesh longest across its rotation axis, a head ten times too wide. Empty
-/// for most. @cost O(triangles) of a mesh tool.
+/// Remarks about a valid but unusual tool, parted by "; ": a mesh longest across its rotation axis or in another unit,
+/// a head ten times too wide or half as wide as its name says, a shank for no handpiece. Empty for most.
+/// @cost O(triangles) of a mesh tool.
 std::string doubtAbout(const Tool& tool);
+
+/// "mm_per_unit = 25.4 (inches) makes it 19 mm long": the units in which a mesh is as long as a bur, 10 to 60 mm. Empty
+/// if none.   @param length  in the unit of its file.
+std::string unitsOfABur(double length);
+
+/// Largest angle between the length of a mesh and its axis, degrees.
+inline constexpr double kMostDegreesOff = 3;
 
 }  // namespace kerf

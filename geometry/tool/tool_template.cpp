@@ -16,18 +16,6 @@ std::string tomlNumber(double value) {
   return text;
 }
 
-// To a nanometre: the tip has to be the mesh's lowest point.
-std::string tomlVector(const Vec3d& v) {
-  std::string out;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double value = std::round(1e6 * v[axis]) / 1e6;
-    std::string text = fmt::format("{}", value == 0 ? 0.0 : value);
-    if (text.find_first_of(".e") == text.npos) text += ".0";
-    out += (axis ? ", " : "") + text;
-  }
-  return "[" + out + "]";
-}
-
 std::string row(const std::string& assignment, const std::string& meaning) {
   return fmt::format("{:<36} # {}\n", assignment, meaning);
 }
@@ -61,6 +49,17 @@ constexpr BladeKey kBladeKeys[] = {
 };
 
 }  // namespace
+
+std::string tomlVector(const Vec3d& v) {
+  std::string out;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double value = std::round(1e6 * v[axis]) / 1e6;
+    std::string text = fmt::format("{}", value == 0 ? 0.0 : value);
+    if (text.find_first_of(".e") == text.npos) text += ".0";
+    out += (axis ? ", " : "") + text;
+  }
+  return "[" + out + "]";
+}
 
 std::string bladeTemplate(const BladeMotion& motion, const std::string& id) {
   std::string text = head(id, motion.form == ToolMotion::kSpin ? "My disc" : "My saw", "blade");

@@ -8,6 +8,9 @@
 
 namespace kerf {
 
+/// "[0.0, -1.25, 3.0]", to a nanometre of a file in mm: the tip has to be the mesh's lowest point.
+std::string tomlVector(const Vec3d& v);
+
 /// TOML that readTool accepts unchanged. Optional keys are comments.
 /// @param id  the stem of the file it goes into.
 std::string toolTemplate(const HeadShape& shape, const std::string& id);

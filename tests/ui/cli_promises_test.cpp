@@ -567,7 +567,7 @@ TEST_F(CliPromises, AToolMeshInAnotherUnitIsRefused) {
         scale);
   };
   folder_.write("bur.toml", tool(0.1));
-  refuses({"tool", "info", at("bur.toml")}, {"mm_per_unit", "0.6 mm", "25.4 for inches"});
+  refuses({"tool", "info", at("bur.toml")}, {"mm_per_unit", "0.6 mm", "mm_per_unit = 10 (cm) makes it 60 mm long"});
   folder_.write("bur.toml", tool(1));
   EXPECT_EQ(runKerf({"tool", "info", at("bur.toml")}).exit_code, 0);
 }

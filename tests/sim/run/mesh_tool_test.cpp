@@ -56,7 +56,7 @@ TEST(MeshTool, WhatIsNoToolIsRefusedWithWhatToWriteInstead) {
   };
   for (const Case& c : {
            Case{"mesh = \"ball.ply\"\nmm_per_unit = 1\ntip = [0, 0, 0.5]\naxis = [0, 0, 1]\ncut_below = 1\n",
-                "line 8, key tip", "tip = [0, 0, 0]"},
+                "line 8, key tip", "tip = [0.0, 0.0, 0.0] and axis = [0.0, 0.0, 1.0]"},
            Case{"mesh = \"open.ply\"\nmm_per_unit = 1\ntip = [0, 0, 0]\naxis = [0, 0, 1]\ncut_below = 1\n",
                 "line 6, key mesh", "kerf bake"},
            Case{"mesh = \"none.ply\"\nmm_per_unit = 1\ntip = [0, 0, 0]\naxis = [0, 0, 1]\ncut_below = 1\n",

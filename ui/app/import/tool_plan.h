@@ -13,25 +13,10 @@
 #include "geometry/base/error.h"
 #include "geometry/base/progress.h"
 #include "geometry/mesh/mesh.h"
+#include "geometry/tool/tool_ways.h"
 #include "ui/app/import/import_plan.h"
 
 namespace kerf {
-
-/// One way to hold a mesh.
-struct ToolWay {
-  /// "+z"; "length", "-length": along the longest extent, or against it; "thin-end".
-  std::string name;
-  Vec3d axis = Vec3d::UnitZ();             ///< from the tip to the shank, unit
-  Vec3d tip = Vec3d::Zero();               ///< mm, middle of the part near the end
-  double tip_width_mm = 0;                 ///< width of the part within kTipLength of the end
-  double cut_below_mm = 4;                 ///< above the tip: cutting length, until it widens clearly; 4 mm at most
-  static constexpr double kTipLength = 2;  ///< mm
-};
-
-/// Six ways along the axes of the file, two along its length, and "thin-end", from the thinnest end that sticks out to
-/// any side, if one does. The thinnest tip comes first.
-/// @param mesh_mm  at least one triangle; stray vertices do not count.
-std::vector<ToolWay> toolWays(const Mesh& mesh_mm);
 
 class ToolPlan {
  public:
