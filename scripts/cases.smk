@@ -1,5 +1,5 @@
 # Many cases: every scan of a folder is baked, cut if a path is given, exported and checked. The same on a laptop and on
-# a cluster (snakemake --cluster, --profile); stopped at any point, it goes on where it was. scripts/cases starts it:
+# a cluster (--profile); for Snakemake 7 and 8; stopped at any point, it goes on where it was. scripts/cases starts it:
 #
 #   scripts/cases scans out
 #   scripts/cases scans out tool=round-014 path=cut.toml
@@ -9,13 +9,19 @@
 #          why it failed, warnings, unit, how many vertices of the scan are not in the result, what closing changed
 # voxel    mm; without it the recipe's, or 0.1
 # bake     more options of kerf bake, as "--close repair"
-# tool, path   what to cut with, and along what; without them the closed scans are exported
-# mem_mb, runtime   what a scheduler is told that a scan needs, MB and minutes: 4000 and 60. A jaw at 0.1 mm takes 1 GB
-#          and half a minute.
+# tool, path   what to cut with, and along what; without them the closed scans are exported. A folder as path holds a path
+#          file for each scan: NAME.toml or NAME.csv
+# mem_mb, runtime   memory and time for one scan, MB and minutes: 60 minutes, and 4000 MB at voxels of 0.1 mm (their square,
+#          1000 MB at least). Measured: 0.2 to 0.5 GB for a jaw at 0.1 mm, half a minute to one.
+# memory   MB that all scans of this machine may need together; scripts/cases passes it on to Snakemake
+# watch    a file with the paths of the scans that are ready: others do not count yet (scripts/cases --watch)
 # kerf     the program, default: the one in build/release/bin, else the one on the PATH
 #
 # A scan that fails does not stop the others: its line in report.csv says at which step and why, out/log has all of it,
-# and the whole ends with an error. Started again, it tries only those that failed (or changed).
+# and the whole ends with an error. Started again, it tries only those that failed (or changed); with watch, those that
+# changed.
+#
+# No blank that counts inside the braces of an f-string: Snakemake 7 on Python 3.12 and newer drops it.
 import csv
 import difflib
 import json
@@ -24,7 +30,7 @@ import re
 import sys
 import tomllib
 
-here = os.path.dirname(os.path.abspath(workflow.snakefile))
+here = os.path.dirname(os.path.abspath(workflow.main_snakefile))
 built = os.path.join(here, "..", "build", "release", "bin", "kerf")
 KERF = config.get("kerf", built if os.path.exists(built) else "kerf")
 SCANS = config.get("scans")
@@ -35,35 +41,46 @@ BAKE = (f"--voxel {config['voxel']} " if "voxel" in config else "") + str(config
 TOOL, PATH = config.get("tool"), config.get("path")
 VOLUMES = (".nii", ".nii.gz", ".nrrd", ".nhdr", ".mha", ".mhd", ".dcm")
 FORMATS = (".stl", ".ply", ".obj", ".off", ".3mf", ".toml")
-KEYS = ("scans", "out", "voxel", "bake", "tool", "path", "mem_mb", "runtime", "kerf")
+KEYS = ("scans", "out", "voxel", "bake", "tool", "path", "mem_mb", "runtime", "memory", "watch", "kerf")
 
 # A key that is passed over silently, or a number that is none, would be found out thirty scans later.
 for key in config:
     if key not in KEYS:
         near = difflib.get_close_matches(key, KEYS, 1)
         raise WorkflowError(f"no key \"{key}\"; expected one of {', '.join(KEYS)}." + (f" Try: {near[0]}=" if near else ""))
-for key in ("voxel", "mem_mb", "runtime"):
+for key in ("voxel", "mem_mb", "runtime", "memory"):
     try:
-        float(config.get(key, 1))
+        if not float(config.get(key, 1)) > 0:
+            raise ValueError
     except (TypeError, ValueError):
-        raise WorkflowError(f"{key}={config[key]}: no number. Try: a decimal point, as in {key}=0.2") from None
+        raise WorkflowError(f"{key}={config[key]}: no number above 0. Try: a decimal point, as in {key}=0.2") from None
 
 if not SCANS or not os.path.isdir(SCANS):
     raise WorkflowError(f"no folder of scans: {SCANS}. Try: --config scans=FOLDER out=FOLDER")
 if bool(TOOL) != bool(PATH):
     raise WorkflowError("tool and path belong together: --config tool=round-014 path=cut.toml")
 
+ready = None
+if "watch" in config:
+    with open(config["watch"]) as file:
+        ready = set(file.read().splitlines())
+
 inputs, left_out = {}, []
 for name in sorted(os.listdir(SCANS)):
     stem, extension = os.path.splitext(name)
+    if ready is not None and os.path.join(SCANS, name) not in ready:
+        continue
     if extension.lower() not in FORMATS:
         if os.path.isfile(os.path.join(SCANS, name)) and not name.startswith("."):
             left_out.append(name)
         continue
+    if stem in inputs and ready is not None:
+        left_out.append(f"{name} (would become {stem}.case, as {os.path.basename(inputs[stem])})")
+        continue
     if stem in inputs:
         raise WorkflowError(f"{inputs[stem]} and {name} would both become {stem}.case. Try: rename one")
     inputs[stem] = os.path.join(SCANS, name)
-if not inputs:
+if not inputs and ready is None:
     raise WorkflowError(f"no meshes and no recipes in {SCANS}; expected files ending in {', '.join(FORMATS)}")
 
 
@@ -71,14 +88,19 @@ def say(sentence):
     print(f"cases: {sentence}", file=sys.stderr, flush=True)
 
 
-def say_what_is_left_out():
+def unused_files():
     """A scan that is in no line of the report would be missed by nobody. What a recipe names is in that one's."""
     parts = {os.path.realpath(part) for scan in inputs.values() for part in parts_of(scan)}
-    unused = [name for name in left_out if os.path.realpath(os.path.join(SCANS, name)) not in parts]
+    return [name for name in left_out if os.path.realpath(os.path.join(SCANS, name)) not in parts]
+
+
+def say_what_is_left_out():
+    unused = unused_files()
     if not unused:
         return
     has_volume = any(name.lower().endswith(VOLUMES) for name in unused)
-    say(f"left out, no mesh and no recipe by {'its name' if len(unused) == 1 else 'their names'}: {', '.join(unused)}."
+    names = "its name" if len(unused) == 1 else "their names"
+    say(f"left out, no mesh and no recipe by {names}: {', '.join(unused)}."
         + (" A volume takes a recipe that says what its labels are: docs/reference/recipes.md" if has_volume else ""))
 
 
@@ -112,6 +134,28 @@ def parts_of(recipe):
     return sorted(files)
 
 
+def path_of(name):
+    """Of a folder of paths, that of this scan; kerf cut names the file if there is none."""
+    if not PATH or not os.path.isdir(PATH):
+        return PATH or ""
+    found = [path for end in (".toml", ".csv") if os.path.isfile(path := os.path.join(PATH, name + end))]
+    if len(found) > 1:
+        raise WorkflowError(f"{found[0]} and {found[1]} are both the path of {name}. Try: rename one")
+    return found[0] if found else os.path.join(PATH, name + ".toml")
+
+
+def need_mb(name):
+    """Of one scan. The field has a layer of voxels along the surface."""
+    voxel = config.get("voxel")
+    if voxel is None and inputs[name].endswith(".toml"):
+        try:
+            with open(inputs[name], "rb") as file:
+                voxel = float(tomllib.load(file)["voxel"])
+        except (OSError, ValueError, KeyError, TypeError):  # kerf will say what is wrong with it
+            pass
+    return int(config.get("mem_mb") or max(1000, 4000 * (0.1 / float(voxel or 0.1)) ** 2))
+
+
 wildcard_constraints:
     name="|".join(map(re.escape, inputs)),
 
@@ -126,13 +170,14 @@ rule scan:
     input:
         scan=lambda wildcards: inputs[wildcards.name],
         parts=lambda wildcards: parts_of(inputs[wildcards.name]),
-        path=[PATH] if PATH else [],
+        path=lambda wildcards: list(filter(os.path.isfile, [path_of(wildcards.name)])) or ([PATH] if PATH else []),
     output:
         row=os.path.join(OUT, "log", "{name}.row"),
     params:
         kerf=KERF,
         bake=BAKE,
         tool=TOOL or "",
+        path=lambda wildcards: path_of(wildcards.name),
         cuts="true" if TOOL else "false",
         case=os.path.join(OUT, "{name}.case"),
         run=os.path.join(OUT, "{name}.run"),
@@ -140,7 +185,7 @@ rule scan:
         check=os.path.join(OUT, "{name}.json"),
         rows=ROWS,
     resources:
-        mem_mb=int(config.get("mem_mb", 4000)),
+        mem_mb=lambda wildcards: need_mb(wildcards.name),
         runtime=int(config.get("runtime", 60)),
     log:
         os.path.join(OUT, "log", "{name}.txt"),
@@ -156,7 +201,7 @@ rule scan:
             result={params.case:q}
             if {params.cuts}; then
                 result={params.run:q}
-                step cut {params.case:q} --tool {params.tool:q} --path {input.path:q} -o "$result" --overwrite || return
+                step cut {params.case:q} --tool {params.tool:q} --path {params.path:q} -o "$result" --overwrite || return
             fi
             step export "$result" -o {params.mesh:q} --overwrite || return
             step check {params.mesh:q} --json >{params.check:q}
@@ -237,32 +282,57 @@ rule report:
         say_what_is_left_out()
         if warned:
             say(f"WARNINGS about {len(warned)} of {len(inputs)}: {', '.join(warned)}. What: {REPORT}")
-        for row in failed:  # to be tried again next time
+        for row in failed if ready is None else []:  # to be tried again next time
             os.remove(row)
+
+
+ran = []  # rows of the scans of this run
 
 
 onstart:
     if os.path.exists(REPORT):  # a run that is stopped leaves none rather than an old one
         os.remove(REPORT)
+    ran.clear()
     # Old rows of what is to be done again would be counted; Snakemake itself takes each away only when its job begins.
     for job in workflow.persistence.dag.needrun_jobs():
         for row in job.output if job.rule.name == "scan" else []:
+            ran.append(row)
             if os.path.exists(row):
                 os.remove(row)
     os.makedirs(os.path.dirname(ROWS), exist_ok=True)
     with open(ROWS + ".part", "w") as file:
         file.writelines(os.path.join(OUT, "log", name + ".row") + "\n" for name in inputs)
     os.replace(file.name, ROWS)
+    if "memory" in config and ran:
+        most, need = int(config["memory"]), max(map(need_mb, inputs))
+        if need > most:
+            say(f"one scan may need {need} MB, and only {most} MB are free: one at a time. "
+                "Try: larger voxels, or mem_mb= with a measured number")
+        elif most // need < min(len(ran), os.cpu_count()):
+            say(f"{most // need} at a time: {need} MB each of {most} MB (mem_mb= and memory= change it)")
 
 
 # Scans that failed are no error of the workflow, which would be told in Snakemake's words. It is over, and kept nothing back.
 onsuccess:
-    if os.path.exists(REPORT):  # none where only some rules were asked for
+    if os.path.exists(REPORT) and inputs:  # none where only some rules were asked for
         with open(REPORT, newline="") as file:
             rows = list(csv.DictReader(file))
         failed = [row["name"] for row in rows if row["status"] != "ok"]
+        done, skipped = len(rows) - len(failed), len(unused_files())
+        files = "file" if skipped == 1 else "files"
+        for row in [row for row in rows if row["status"] != "ok"][:10]:
+            scan = inputs[row["name"]]
+            say(f"{scan}: {row['status']}: {row['reason'].removeprefix(scan + ': ')}")
+        say(f"{done} done, {len(rows) - len(ran)} of the {len(rows)} earlier; {len(failed)} failed; "
+            f"{skipped} {files} left out")
         if failed:
             say(f"{len(failed)} of {len(rows)} failed: {', '.join(failed)}. "
-                f"Reasons: {REPORT}; logs: {os.path.join(OUT, 'log')}. Started again, only these are tried again.")
+                f"Reasons: {REPORT}; logs: {os.path.join(OUT, 'log')}. "
+                + ("Started again, only these are tried again." if ready is None else "Each is tried again when it changes."))
             os._exit(1)
         say(f"{len(rows)} of {len(rows)} done: {REPORT}")
+
+
+onerror:  # such as a job that a scheduler killed
+    rows = [os.path.join(OUT, "log", name + ".row") for name in inputs]
+    say(f"stopped: {sum(map(os.path.exists, rows))} of {len(rows)} ended, no report. Started again, it goes on")
