@@ -14,7 +14,7 @@ template <class At>
 Mesh ringMesh(std::uint32_t sides, std::uint32_t rings, const At& at, const Vec3d& low, const Vec3d& high) {
   Mesh out;
   for (std::uint32_t r = 0; r < rings; ++r)
-    for (std::uint32_t a = 0; a < sides; ++a) out.vertices.push_back(roundedToFloat(Vec3d(at(r, a))));
+    for (std::uint32_t a = 0; a < sides; ++a) out.vertices.push_back(at(r, a));
   const std::uint32_t last = rings * sides;
   out.vertices.push_back(low);
   out.vertices.push_back(high);

@@ -29,6 +29,21 @@ std::string doubtAboutAxis(const Mesh& mesh) {
   return {};
 }
 
+constexpr double kLeastFilled = 0.4;  // of its solid of revolution, by the mesh
+
+std::string doubtAboutTurning(const Tool& tool) {
+  if (tool.unturned_mm3 >= kLeastFilled * tool.turned_mm3) return {};
+  return fmt::format(
+      "turned about its axis, the cutting part fills {:.1f} times its mesh: check `axis` and `tip`; describe a tool "
+      "that does not turn as a blade",
+      tool.turned_mm3 / tool.unturned_mm3);
+}
+
+// A bur in a contra-angle is round about its axis, whatever its handpiece does.
+bool isBurInHandpiece(const Tool& tool) {
+  return !tool.body_turns && tool.unturned_mm3 >= kLeastFilled * tool.turned_mm3;
+}
+
 // Inches read as mm, or mm read as inches: no bur, but a length that a tool may have.
 std::string doubtAboutUnit(const Tool& tool) {
   constexpr double kShort = 5, kLong = 150;  // mm
@@ -98,7 +113,7 @@ std::string doubtAboutWidth(const Tool& tool) {
 std::string doubtAbout(const Tool& tool) {
   std::vector<std::string> doubts;
   if (tool.mesh)
-    doubts = {doubtAboutAxis(*tool.mesh), doubtAboutUnit(tool)};
+    doubts = {isBurInHandpiece(tool) ? "" : doubtAboutAxis(*tool.mesh), doubtAboutUnit(tool), doubtAboutTurning(tool)};
   else if (tool.kind == ToolKind::kBur)
     doubts = {doubtAboutWidth(tool), doubtAboutRadii(tool), doubtAboutShank(tool)};
   else

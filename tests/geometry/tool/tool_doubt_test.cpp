@@ -180,5 +180,29 @@ TEST_F(MeshToolDoubt, OfTwoEndsAlmostAsThickBothAreOffered) {
   }
 }
 
+// A plate 4 x 0.5 mm: turned, a rod of 4 mm. A bur in the head of a contra-angle is right as it is.
+TEST(ToolDoubt, AMeshThatDoesNotTurn) {
+  const TemporaryFolder folder;
+  const auto doubtOfMesh = [&](const Mesh& mesh, double cut_below) {
+    EXPECT_TRUE(writeMesh(folder.path() / "a.ply", mesh));
+    const auto read =
+        readTool(folder.write("a.toml", tool("a", "mesh",
+                                             fmt::format("mesh = \"a.ply\"\nmm_per_unit = 1\ntip = [0, 0, 0]\n"
+                                                         "axis = [0, 0, 1]\ncut_below = {}\n",
+                                                         cut_below))));
+    EXPECT_TRUE(read) << read.error().message();
+    return read ? doubtAbout(*read) : "not read";
+  };
+  const Mesh rod = tubeMesh(2, 0, 0, 12, 32);
+  Mesh plate = rod;
+  for (Vec3d& p : plate.vertices) p[1] *= 0.125;
+  EXPECT_NE(doubtOfMesh(plate, 5).find("fills 8.1 times its mesh"), std::string::npos) << doubtOfMesh(plate, 5);
+  EXPECT_EQ(doubtOfMesh(rod, 5), "");
+
+  Mesh handpiece = tubeMesh(0.5, 0, 0, 8, 32);
+  append(handpiece, turned({{0, 5}, {60, 6}}, {-5, 0, 14}, Vec3d::UnitX()));
+  EXPECT_EQ(doubtOfMesh(handpiece, 5), "");
+}
+
 }  // namespace
 }  // namespace kerf::tool_doubt_test

@@ -34,9 +34,9 @@ TEST(TurnedMesh, HoldsEveryAngleOfTheMeshAndNothingElse) {
   const auto turned = shapeOf(turnedMesh(mesh, 0, 4));
   const MeshShape exact(mesh);
   int inside = 0;
-  for (int i = 0; i < 60; ++i)
-    for (int k = 0; k < 60; ++k) {
-      const double r = 0.9 * i / 59, z = -0.1 + 4.2 * k / 59;
+  for (int i = 0; i < 40; ++i)
+    for (int k = 0; k < 40; ++k) {
+      const double r = 0.9 * i / 39, z = -0.1 + 4.2 * k / 39;
       double least = 1e9;
       for (int a = 0; a < 360; ++a) {
         const double angle = 2 * kPi * a / 360;
@@ -49,7 +49,7 @@ TEST(TurnedMesh, HoldsEveryAngleOfTheMeshAndNothingElse) {
       }
       inside += d < 0;
     }
-  EXPECT_GT(inside, 1500);
+  EXPECT_GT(inside, 700);
 }
 
 // As a trephine: a tube below a disc.
