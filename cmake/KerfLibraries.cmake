@@ -28,3 +28,4 @@ pkg_check_modules(NETTLE REQUIRED IMPORTED_TARGET nettle)  # SHA-256
 find_package(ZLIB REQUIRED)
 pkg_check_modules(HWY REQUIRED IMPORTED_TARGET libhwy)
 pkg_check_modules(HIDAPI REQUIRED IMPORTED_TARGET hidapi-hidraw)  # devices that are plugged in
+unset(CMAKE_POLICY_DEFAULT_CMP0167)

@@ -79,7 +79,7 @@ void readMeshTool(TomlTable& top, const fs::path& folder, Tool& tool) {
   auto file = readMesh(tool.mesh_file);
   if (!file) return top.reject("mesh", file.error().message(), "a mesh that can be read", "kerf check " + name);
 
-  Mesh& mesh = file->mesh;
+  Mesh mesh = withoutStrayVertices(file->mesh);
   const Eigen::Quaterniond upright = Eigen::Quaterniond::FromTwoVectors(axis, Vec3d::UnitZ()).normalized();
   for (Vec3d& p : mesh.vertices) p = upright * (scale * (p - tip));
   tool.mm_per_unit = scale;
@@ -105,7 +105,11 @@ void readMeshTool(TomlTable& top, const fs::path& folder, Tool& tool) {
         "the mesh's lowest point along the axis",
         tipAdvice(mesh, axis, [&](const Vec3d& p) -> Vec3d { return tip + upright.conjugate() * p / scale; }));
 
-  const double cut_to = std::min(tool.cut_below_mm, box.max[2]);
+  constexpr double kLeastPart = 0.01;  // mm
+  const double cut_to = tool.cut_below_mm > box.max[2] - kLeastPart ? box.max[2] : tool.cut_below_mm;
+  if (cut_to - box.min[2] < kLeastPart)
+    return top.reject("cut_below", fmt::format("{:.6g}, below the mesh's lowest point", tool.cut_below_mm),
+                      fmt::format("at least {} mm of the mesh", kLeastPart), "the height of the cutting part");
   const TurnedMesh cut = turnedMesh(mesh, box.min[2], cut_to);
   if (cut.second_ring_at)
     return top.reject(

@@ -103,8 +103,8 @@ std::string toJson(const Tool& tool) {
     j["mesh_file"] = tool.mesh_file.string();
     j["triangles"] = tool.mesh->triangles.size();
     j["cuts_to_mm"] = tool.cut_below_mm;
-    j["turned_volume_mm3"] = tool.turned_mm3;
-    j["mesh_volume_mm3"] = tool.unturned_mm3;
+    j["cut_volume_mm3"] = tool.turned_mm3;
+    j["cut_mesh_volume_mm3"] = tool.unturned_mm3;
     j["body_turns"] = tool.body_turns;
   } else {
     j["motion"] = tool.motion->name;

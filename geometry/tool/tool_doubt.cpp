@@ -73,8 +73,8 @@ std::string doubtAboutRadii(const Tool& tool) {
   const double head = tool.head_diameter_mm;
   if (const bool is_half = std::abs(2 * head - size) < kRounding;
       size > 0.2 && (is_half || std::abs(0.5 * head - size) < kRounding))
-    return fmt::format("the head is {:.3g} mm wide, but by its name {:.1f} mm, {} as much: write diameters, not radii",
-                       head, size, is_half ? "twice" : "half");
+    return fmt::format("the head is {:.3g} mm wide, but by its {} {:.1f} mm, {}", head, in_id > 0 ? "id" : "name", size,
+                       is_half ? "twice as much: write diameters, not radii" : "half as much: check head_diameter");
   if (tool.shape != "profile") return {};
   for (const RevolvedProfile::Piece& piece : tool.head->pieces()) {
     const Eigen::Vector2d way = (piece.to - piece.from).cwiseAbs();

@@ -3,7 +3,9 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -13,7 +15,7 @@ namespace {
 using Point = RevolvedProfile::Point;
 
 constexpr double kSpacing = 0.002;  // mm, of the levels
-constexpr int kMostLevels = 4096, kLevelsPerBlock = 32;
+constexpr int kMostLevels = 16384, kLevelsPerBlock = 64;
 constexpr double kTolerance = 0.001;  // mm, of the simplified outline
 constexpr double kNearlyConvex = 0.003;
 constexpr double kLeastHollow = 0.02;
@@ -105,12 +107,18 @@ std::vector<Level> levelsOf(const Mesh& mesh, double low, double step, int count
     }
   });
 
-  // Corners between two levels: rims, level faces.
+  // Corners between two levels: rims, level faces. Those at an end where the mesh goes on may belong to the other side.
+  const double high = low + count * step;
+  Box3 all;
+  for (const Triangle& t : mesh.triangles)
+    for (const std::uint32_t v : t) all.add(mesh.vertices[v]);
+  const double from = all.min[2] < low - kSpacing ? low + kSpacing : all.min[2];
+  const double to = all.max[2] > high + kSpacing ? high - kSpacing : all.max[2];
   for (const Triangle& t : mesh.triangles)
     for (const std::uint32_t v : t) {
       const Vec3d& p = mesh.vertices[v];
-      const double k = std::floor((p[2] - low) / step);
-      if (k < 0 || !(k < count)) continue;
+      if (p[2] < from || p[2] > to) continue;
+      const double k = std::clamp(std::floor((p[2] - low) / step), 0.0, count - 1.0);
       Level& level = levels[static_cast<std::size_t>(k)];
       level.outer = std::max(level.outer, p.head<2>().norm());
     }
@@ -195,7 +203,7 @@ class TurnedOutline {
   }
 
   double distance(double radius, double height) const noexcept {
-    const int bin = std::clamp(static_cast<int>((height - low_) * per_mm_), 0, kBins - 1);
+    const int bin = static_cast<int>(std::clamp((height - low_) * per_mm_, 0.0, kBins - 1.0));
     std::size_t here = first_[static_cast<std::size_t>(bin)];
     while (here + 1 < lines_.size() && (lines_[here].top() < height || lines_[here].along[1] == 0)) ++here;
 
@@ -224,6 +232,7 @@ class TurnedOutline {
     double inverse;
     double top() const noexcept { return from[1] + along[1]; }
     double squaredDistance(const Point& p) const noexcept {
+      if (from[0] == 0 && along[0] == 0) return std::numeric_limits<double>::infinity();  // the axis: no surface
       const Point d = p - from;
       return (d - std::clamp(d.dot(along) * inverse, 0.0, 1.0) * along).squaredNorm();
     }
@@ -263,6 +272,7 @@ class TurnedShape final : public ToolShape {
 }  // namespace
 
 TurnedMesh turnedMesh(const Mesh& mesh, double low, double high) {
+  assert(low < high);
   const int count = std::clamp(static_cast<int>(std::ceil((high - low) / kSpacing)), 16, kMostLevels);
   const double step = (high - low) / count;
   const std::vector<Level> levels = levelsOf(mesh, low, step, count);

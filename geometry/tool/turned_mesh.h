@@ -10,8 +10,8 @@
 
 namespace kerf {
 
-/// Every height has one disc or one ring. The outline follows the mesh's radii to 2 um; an outline that is convex to
-/// 3 um is made convex.
+/// Every height has one disc or one ring. The outline follows the mesh's radii to 2 um up to a height of 32 mm, beyond
+/// to a 16000th of the height. An outline that is convex to 3 um is made convex.
 struct TurnedMesh {
   RevolvedProfile outline;                 ///< outer side, closed
   std::vector<RevolvedProfile> hollows;    ///< space on the axis without material, as in a trephine; closed, disjoint
@@ -21,7 +21,7 @@ struct TurnedMesh {
 };
 
 /// The part of a mesh between two heights, turned. Hollows narrower than 0.04 mm are filled: a tip beside the axis.
-/// @pre `mesh` is closed, turned outwards, free of self-intersections; mm; low < high.
+/// @pre `mesh` is closed, turned outwards, free of self-intersections; mm; low < high by 0.01 mm or more.
 /// @cost parallel; 1 s for 2 million triangles. The same bits on any number of threads.
 TurnedMesh turnedMesh(const Mesh& mesh, double low, double high);
 

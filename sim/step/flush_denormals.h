@@ -10,8 +10,8 @@
 namespace kerf {
 
 /// While it lives, this thread reads and writes denormal numbers as zero. They cost a hundred times as much as others,
-/// at unforeseeable moments. Restores the caller's mode. On processors other than x86 and arm64 it does nothing. @rt
-/// safe
+/// at unforeseeable moments. Restores the caller's mode. On processors other than x86 and arm64 it does nothing.
+/// @rt safe
 class FlushDenormals {
  public:
   FlushDenormals() noexcept : before_(mode()) { setMode(before_ | kFlush); }

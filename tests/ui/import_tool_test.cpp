@@ -6,7 +6,7 @@
 
 #include "geometry/formats/mesh_writer.h"
 #include "geometry/tool/tool_file.h"
-#include "tests/geometry/turned_mesh.h"
+#include "tests/geometry/turned_rod.h"
 #include "tests/support/open_block.h"
 #include "tests/support/temporary_folder.h"
 #include "ui/app/commands/app_commands.h"

@@ -5,7 +5,7 @@
 
 #include "geometry/formats/mesh_writer.h"
 #include "geometry/tool/tool_file.h"
-#include "tests/geometry/turned_mesh.h"
+#include "tests/geometry/turned_rod.h"
 #include "tests/support/places.h"
 #include "tests/support/temporary_folder.h"
 
@@ -52,7 +52,7 @@ TEST(ToolDoubt, AShankThinnerThanItsNeckOrOfNoHandpiece) {
 TEST(ToolDoubt, RadiiWhereAFileHasDiameters) {
   const std::string radii = "shape = \"profile\"\nhead_diameter = 0.8\nprofile = [[0, 0.4], [4, 0.8]]\n";
   EXPECT_EQ(doubtOf(radii, "my-bur-016"),
-            "the head is 0.8 mm wide, but by its name 1.6 mm, twice as much: write diameters, not radii");
+            "the head is 0.8 mm wide, but by its id 1.6 mm, twice as much: write diameters, not radii");
   EXPECT_NE(doubtOf("shape = \"round\"\nhead_diameter = 2.8\n", "round-014").find("half as much"), std::string::npos);
   for (const char* id : {"bur", "bur-008", "us-160", "0016", "bur-012"}) EXPECT_EQ(doubtOf(radii, id), "") << id;
   EXPECT_EQ(doubtOf(radii, "bur-016a").substr(0, 8), "the head");

@@ -92,6 +92,26 @@ TEST(TurnedMesh, StepsAndRimsStayWhereTheyAre) {
   EXPECT_NEAR(turned.outline.radiusAt(2.01), 0, 1e-9);
   EXPECT_NEAR(turned.outline.largestRadius(), 3, 1e-6);
   EXPECT_NEAR(turned.outline.highestAsWideAs(2.9), 2.5, 0.004);
+  EXPECT_NEAR(shapeOf(turned)->distance({0, 0, 2.25}), 0.25, 0.004) << "no surface on the axis";
+  EXPECT_NEAR(shapeOf(turned)->distance({0, 1, 2.1}), 0.1, 0.004);
+}
+
+// In float32 many heights lie below themselves: the collar begins where the cutting part ends, and is not part of it.
+TEST(TurnedMesh, AnEndOfThePartKeepsWhatIsBeyondOut) {
+  for (const double height : {0.35, 0.7, 1.4, 4.1, 4.3}) {
+    const double radii[] = {1, 1, 3, 3}, heights[] = {0, height, height, height + 2};
+    const auto at = [&](std::uint32_t ring, std::uint32_t side) {
+      const double angle = 2 * kPi * side / 48;
+      return roundedToFloat(Vec3d(radii[ring] * std::cos(angle), radii[ring] * std::sin(angle), heights[ring]));
+    };
+    const Mesh collar = ringMesh(48, 4, at, {0, 0, 0}, {0, 0, height + 2});
+    EXPECT_NEAR(turnedMesh(collar, 0, height).outline.largestRadius(), 1, 1e-6) << height;
+    EXPECT_TRUE(shapeOf(turnedMesh(collar, 0, height))->isConvex()) << height;
+    Mesh down = collar;  // a head, and a neck above it
+    for (Vec3d& p : down.vertices) p = Vec3d(p[0], -p[1], height + 2 - p[2]);
+    EXPECT_NEAR(turnedMesh(down, 2, height + 2).outline.largestRadius(), 1, 1e-6) << height;
+    EXPECT_NEAR(turnedMesh(down, 0, height + 2).outline.largestRadius(), 3, 1e-6) << height;
+  }
 }
 
 }  // namespace

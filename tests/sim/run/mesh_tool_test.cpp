@@ -94,6 +94,21 @@ TEST(MeshTool, AHeadThatIsNotConvexRemovesWhatItsMeshSays) {
   EXPECT_LE(std::abs(check->errorPercent()), 1.0) << check->removed_mm3 << " instead of " << check->expected_mm3;
 }
 
+TEST(MeshTool, AVertexWithoutATriangleIsNotItsTip) {
+  const TemporaryFolder folder;
+  Mesh mesh = ballMesh({0, 0, 0.7}, 0.7, 16);
+  mesh.vertices.emplace_back(5, 5, -30);
+  ASSERT_TRUE(writeMesh(folder.path() / "ball.ply", mesh));
+  const std::string keys = "mesh = \"ball.ply\"\nmm_per_unit = 1\ntip = [0, 0, 0]\naxis = [0, 0, 1]\n";
+  EXPECT_TRUE(readTool(folder.write("a.toml", recipe(keys + "cut_below = 1\n"))));
+  // The tip may be 0.02 mm beside the mesh: a part of no height is refused.
+  for (Vec3d& p : mesh.vertices) p[2] += 0.015;
+  ASSERT_TRUE(writeMesh(folder.path() / "ball.ply", mesh));
+  const auto thin = readTool(folder.write("a.toml", recipe(keys + "cut_below = 0.01\n")));
+  ASSERT_FALSE(thin);
+  EXPECT_EQ(thin.error().place, "line 10, key cut_below") << thin.error().message();
+}
+
 // Its edges are on the cylinder of a bur with shape = "cylinder": turned, it removes as much.
 TEST(MeshTool, AFlutedMeshRemovesWhatItsSolidOfRevolutionDoes) {
   const TemporaryFolder folder;

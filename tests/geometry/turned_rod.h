@@ -1,3 +1,4 @@
+// Test helper: a bur or a handpiece as a mesh.
 #pragma once
 
 #include <array>
