@@ -239,7 +239,10 @@ Expected<toml::table> parseToml(const std::filesystem::path& file) {
     if (is_large) error.hint = "a path of many poses is read from .csv";
     return fail(std::move(error));
   }
-  const std::string& content = *content_or_error;
+  return parseTomlText(*content_or_error, file);
+}
+
+Expected<toml::table> parseTomlText(const std::string& content, const std::filesystem::path& file) {
   // toml++ limits how deep values nest, but not how long a dotted key is, and it walks the tables of one recursively.
   constexpr int kMostDots = 500;
   std::istringstream lines(content);

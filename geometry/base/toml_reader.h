@@ -90,5 +90,7 @@ std::vector<std::string> nearestNames(const std::string& found, std::vector<std:
 
 /// Parses a file; syntax errors name line and column.
 Expected<toml::table> parseToml(const std::filesystem::path& file);
+/// The same for its text.   @param file  for errors.
+Expected<toml::table> parseTomlText(const std::string& content, const std::filesystem::path& file);
 
 }  // namespace kerf

@@ -37,7 +37,7 @@ struct XmlParser::Callbacks {
     run(xml, [&]() -> Expected<void> {
       if (++xml.depth_ > kMostDepth)
         return fail(xml.here(Error::Code::kUnsupported, "elements nested deeper than " + std::to_string(kMostDepth),
-                             "a 3MF file", kDamagedXml));
+                             "flat XML", kDamagedXml));
       return xml.handler_.start(name, XmlAttributes(attributes));
     });
   }
@@ -58,8 +58,8 @@ struct XmlParser::Callbacks {
   static void doctype(void* user, const char*, const char*, const char*, int) {
     auto& xml = *static_cast<XmlParser*>(user);
     run(xml, [&]() -> Expected<void> {
-      return fail(xml.here(Error::Code::kUnsupported, "a document type declaration", "XML without one, as 3MF demands",
-                           "export the file again"));
+      return fail(xml.here(Error::Code::kUnsupported, "a document type declaration", "XML without one",
+                           "export the file again, or delete the line <!DOCTYPE ...>"));
     });
   }
   static void other(void* user, const char*, int) { static_cast<XmlParser*>(user)->since_event_ = 0; }
@@ -98,7 +98,7 @@ Expected<void> XmlParser::feed(std::string_view piece, bool is_last) {
         here(Error::Code::kBadFormat, std::string("no well-formed XML: ") + XML_ErrorString(code), "XML", kDamagedXml));
   }
   if (since_event_ > kLongestToken)
-    return fail(here(Error::Code::kUnsupported, "a tag or comment longer than 1 MiB", "a 3MF file", kDamagedXml));
+    return fail(here(Error::Code::kUnsupported, "a tag or comment longer than 1 MiB", "shorter ones", kDamagedXml));
   return {};
 }
 

@@ -10,8 +10,8 @@
 namespace kerf {
 namespace {
 
-constexpr const char* kBurKeys[] = {"shape",         "profile",     "cuts",           "end_length",  "iso6360",
-                                    "neck_diameter", "neck_length", "shank_diameter", "shank_length"};
+constexpr const char* kBurKeys[] = {"shape",         "profile",     "cuts",           "end_length",   "iso6360",
+                                    "neck_diameter", "neck_length", "shank_diameter", "shank_length", "profile_file"};
 
 // Words for shapes that catalogues use and Kerf spells otherwise.
 struct Synonym {
@@ -103,6 +103,22 @@ std::vector<ProfilePoint> readProfile(TomlTable& top) {
   return out;
 }
 
+// The drawing of a head in the folder of its file.
+std::vector<OutlinePiece> readProfileFile(TomlTable& top, const std::filesystem::path& folder, Tool& tool) {
+  constexpr const char* kKey = "profile_file";
+  const auto name = top.get<std::string>(kKey, "the name of a drawing beside this one");
+  top.allow("profile");
+  if (top.has("profile")) top.reject(kKey, "\"" + name + "\"", "one of profile and profile_file");
+  if (name.empty() || std::filesystem::path(name).filename() != name)
+    top.reject(kKey, "\"" + name + "\"", "the name of a .dxf or .svg file in the folder of this one");
+  if (top.failed()) return {};
+  tool.companion = folder / name;
+  auto outline = readOutline(tool.companion);
+  if (outline) return *std::move(outline);
+  top.reject(kKey, outline.error().message(), "half the profile of a head", "kerf help tool");
+  return {};
+}
+
 // Cutting parts: both, or one of side and end.
 void readCuts(TomlTable& top, Tool& tool) {
   constexpr const char* kExpected = "[\"side\", \"end\"], [\"side\"] or [\"end\"]";
@@ -178,7 +194,7 @@ const HeadShape* readShape(TomlTable& top) {
 }
 
 // The numbers of the head: those its shape takes, and its diameter.
-HeadNumbers readHead(TomlTable& top, const HeadShape& shape) {
+HeadNumbers readHead(TomlTable& top, const HeadShape& shape, const std::filesystem::path& folder, Tool& tool) {
   HeadNumbers n;
   for (const HeadKey& key : headKeys()) {
     const auto taken = std::find_if(shape.keys.begin(), shape.keys.end(),
@@ -196,7 +212,10 @@ HeadNumbers readHead(TomlTable& top, const HeadShape& shape) {
     else
       top.allow(key.name);
   }
-  if (shape.takes_profile) n.profile = readProfile(top);
+  if (shape.takes_profile && top.has("profile_file"))
+    n.outline = readProfileFile(top, folder, tool);
+  else if (shape.takes_profile)
+    n.profile = readProfile(top);
   return n;
 }
 
@@ -242,13 +261,14 @@ std::optional<RevolvedProfile> buildHead(TomlTable& top, const HeadShape& shape,
                wrong.expected, wrong.hint);
     return std::nullopt;
   }
-  if (const double widest = 2 * built->largestRadius(); std::abs(widest - n.head_diameter) > 1e-6) {
+  const double rounding = n.outline.empty() ? 1e-6 : 1e-3;  // mm: of a drawing
+  if (const double widest = 2 * built->largestRadius(); std::abs(widest - n.head_diameter) > rounding) {
     top.reject("head_diameter", fmt::format("{}", n.head_diameter),
-               fmt::format("the widest of the profile, {} mm", widest),
-               std::abs(2 * n.head_diameter - widest) < 1e-6   ? "diameters throughout, never radii"
-               : std::abs(n.head_diameter - 2 * widest) < 1e-6 ? "twice the profile's second numbers: diameters, "
-                                                                 "never radii"
-                                                               : "");
+               fmt::format("the widest of the profile, {:.7g} mm", widest),
+               std::abs(2 * n.head_diameter - widest) < rounding   ? "diameters throughout, never radii"
+               : std::abs(n.head_diameter - 2 * widest) < rounding ? "twice the profile's second numbers: diameters, "
+                                                                     "never radii"
+                                                                   : "");
     return std::nullopt;
   }
   return *built;
@@ -294,13 +314,13 @@ void allowBurKeys(TomlTable& top) {
   for (const char* key : kBurKeys) top.allow(key);
 }
 
-void readBur(TomlTable& top, Tool& tool) {
+void readBur(TomlTable& top, const std::filesystem::path& folder, Tool& tool) {
   for (const Synonym& s : kKeyWords) top.explain(s.word, s.hint);
   const HeadShape* shape = readShape(top);
   if (!shape) return;
 
   tool.shape = shape->name;
-  const HeadNumbers n = readHead(top, *shape);
+  const HeadNumbers n = readHead(top, *shape, folder, tool);
   readCuts(top, tool);
   readIso6360(top, tool, n.head_diameter);
   const Stem stem = readStem(top, n.head_diameter);

@@ -175,7 +175,40 @@ Outline drill(const Numbers& n) {
   return RevolvedProfile().lineTo(R, point).lineTo(R, n.head_length).close();
 }
 
+// From a drawing. Rounding in the drawing may lower a point by less than kLevel.
+Outline drawnOutline(const std::vector<OutlinePiece>& pieces) {
+  constexpr double kLevel = 1e-6, kLongest = 50;  // mm
+  RevolvedProfile head;
+  head.lineTo(pieces.front().from[0], 0);
+  for (const OutlinePiece& piece : pieces) {
+    const Point from = head.end(), to(piece.to[0], std::max(piece.to[1], from[1]));
+    const auto refuse = [&](const char* expected) {
+      return wrong("profile_file", fmt::format("{} from ({:.4g}, {:.4g}) to ({:.4g}, {:.4g}) mm", expected, from[0],
+                                               from[1], piece.to[0], piece.to[1]));
+    };
+    if (piece.to[1] < from[1] - kLevel) return refuse("heights that do not decrease");
+    if (std::abs(piece.bulge) < 1e-9) {
+      head.lineTo(to[0], to[1]);
+      continue;
+    }
+
+    const Point center = OutlinePiece{from, to, piece.bulge}.center();
+    const double side = piece.bulge > 0 ? 1 : -1;
+    if (std::abs(piece.bulge) > 1 + kLevel || side * (from[0] - center[0]) < -kLevel ||
+        side * (to[0] - center[0]) < -kLevel)
+      return refuse("an arc whose heights do not decrease");
+    if (piece.bulge < 0 && from[1] <= center[1] && to[1] >= center[1] && center[0] < (from - center).norm())
+      return refuse("an arc that stays off the axis");
+    piece.bulge > 0 ? head.arcTo(center, to) : head.hollowArcTo(center, to);
+  }
+  if (!(head.highest() > 0 && head.highest() <= kLongest))
+    return wrong("profile_file", fmt::format("a head up to {} mm long, not {:.4g} mm", kLongest, head.highest()),
+                 "the unit of the drawing: $INSUNITS in DXF, width and height in SVG");
+  return head.close();
+}
+
 Outline freeOutline(const Numbers& n) {
+  if (!n.outline.empty()) return drawnOutline(n.outline);
   RevolvedProfile head;
   for (std::size_t i = 0; i < n.profile.size(); ++i) {
     const ProfilePoint& p = n.profile[i];
@@ -301,7 +334,7 @@ std::span<const HeadShape> headShapes() {
        acorn},
       {"wheel", "disc with a round rim; head_length is its thickness", {{"head_length", 0.4}}, false, wheel},
       {"drill", "cylinder with a conical point", {{"head_length", 5}, {"point_angle", 120}}, false, drill},
-      {"profile", "any other head, corner by corner; ends are closed flat", {}, true, freeOutline},
+      {"profile", "any other head, corner by corner or from a drawing; ends are closed flat", {}, true, freeOutline},
   };
   return kShapes;
 }

@@ -8,6 +8,7 @@
 #include <tl/expected.hpp>
 #include <vector>
 
+#include "geometry/outline/outline.h"
 #include "geometry/tool/tool_shape.h"
 
 namespace kerf {
@@ -25,6 +26,7 @@ struct HeadNumbers {
   double tip_diameter = kUnsaid, top_diameter = kUnsaid, widest_at = kUnsaid, edge_radius = kUnsaid;
   double point_length = kUnsaid, point_angle = kUnsaid, dome_height = kUnsaid;
   std::vector<ProfilePoint> profile;
+  std::vector<OutlinePiece> outline;  ///< in place of profile: x is the radius, y the height
 };
 
 /// A number of HeadNumbers as a key of the file.

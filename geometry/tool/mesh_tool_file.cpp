@@ -75,8 +75,8 @@ void readMeshTool(TomlTable& top, const fs::path& folder, Tool& tool) {
   if (!(axis.norm() > 1e-9)) top.reject("axis", "no direction", "the direction from the tip to the shank: [0, 0, 1]");
   if (top.failed()) return;
 
-  tool.mesh_file = folder / name;
-  auto file = readMesh(tool.mesh_file);
+  tool.companion = folder / name;
+  auto file = readMesh(tool.companion);
   if (!file) return top.reject("mesh", file.error().message(), "a mesh that can be read", "kerf check " + name);
 
   Mesh mesh = withoutStrayVertices(file->mesh);

@@ -100,7 +100,7 @@ std::string toJson(const Tool& tool) {
     j["cuts_from_mm"] = tool.cutting->lowest();
     j["cuts_to_mm"] = tool.cutting->highest();
   } else if (tool.kind == ToolKind::kMesh) {
-    j["mesh_file"] = tool.mesh_file.string();
+    j["mesh_file"] = tool.companion.string();
     j["triangles"] = tool.mesh->triangles.size();
     j["cuts_to_mm"] = tool.cut_below_mm;
     j["cut_volume_mm3"] = tool.turned_mm3;

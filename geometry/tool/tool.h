@@ -53,6 +53,7 @@ struct Tool {
   Vec3d plunge_direction = -Vec3d::UnitZ();  ///< unit, tool frame: direction of a straight plunge
 
   DriveNumbers drive;
+  std::filesystem::path companion;  ///< file beside the TOML that it names: a mesh or an outline; may be empty
 
   // Bur and disc: outlines of the revolved parts. Mesh: `cutting`.
   std::shared_ptr<const RevolvedProfile> head;         ///< all of the head
@@ -72,13 +73,12 @@ struct Tool {
   double swing_deg = 0;  ///< sagittal: whole angle
 
   // Mesh.
-  std::filesystem::path mesh_file;
   std::shared_ptr<const Mesh> mesh;      ///< all of it, tool frame, mm
   double cut_below_mm = 0;               ///< the part below this height cuts: its solid of revolution, `cutting`, ...
   std::vector<RevolvedProfile> hollows;  ///< ... without these
   double turned_mm3 = 0, unturned_mm3 = 0;  ///< volume of that solid, and of the mesh there
   bool body_turns = true;                   ///< false: `body` is the mesh as it is, such as a handpiece
-  double mm_per_unit = 1;                   ///< of mesh_file
+  double mm_per_unit = 1;                   ///< of its file
 
   double kerfWidth() const { return thickness_mm + 2 * set_per_side_mm; }  ///< blade, mm
   /// Sagittal: width of the tip's sweep, mm: W + 2 L sin(angle / 2).

@@ -25,10 +25,7 @@ std::map<std::string, fs::path> toolFiles(const std::vector<fs::path>& folders) 
   return files;
 }
 
-}  // namespace
-
-Expected<Tool> readTool(const fs::path& file) {
-  KERF_TRY(root, parseToml(file));
+Expected<Tool> toolOf(const toml::table& root, const fs::path& file) {
   TomlTable top(root, file, "");
   Tool tool;
   const auto format = top.get<std::string>("format", "\"kerf-tool\"");
@@ -46,7 +43,7 @@ Expected<Tool> readTool(const fs::path& file) {
   const auto kind = top.get<std::string>("kind", "\"bur\", \"blade\" or \"mesh\"");
   if (kind == "bur") {
     tool.kind = ToolKind::kBur;
-    readBur(top, tool);
+    readBur(top, file.parent_path(), tool);
   } else if (kind == "blade") {
     tool.kind = ToolKind::kBlade;
     readBlade(top, tool);
@@ -72,6 +69,18 @@ Expected<Tool> readTool(const fs::path& file) {
     KERF_CHECK(top.finish());
   }
   return tool;
+}
+
+}  // namespace
+
+Expected<Tool> readTool(const fs::path& file) {
+  KERF_TRY(root, parseToml(file));
+  return toolOf(root, file);
+}
+
+Expected<Tool> readToolText(const std::string& toml, const fs::path& file) {
+  KERF_TRY(root, parseTomlText(toml, file));
+  return toolOf(root, file);
 }
 
 std::vector<ToolListing> listTools(const std::vector<fs::path>& folders) {

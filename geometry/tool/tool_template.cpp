@@ -119,6 +119,7 @@ std::string toolTemplate(const HeadShape& shape, const std::string& id) {
 
   if (shape.takes_profile) {
     text += "# [height above the tip, diameter]; a third number makes the way there an arc of that radius\n";
+    text += row("# profile_file = \"head.dxf\"", "in place of profile: a drawing, x the radius, y the height; or .svg");
     text += "profile = [[0, 0.6], [0.5, 1.6, 0.5], [3, 1.6], [4, 1.0, -1.0]]\n";
     numbers.profile = {{0, 0.6, 0}, {0.5, 1.6, 0.5}, {3, 1.6, 0}, {4, 1.0, -1.0}};
   }

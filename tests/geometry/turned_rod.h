@@ -21,4 +21,10 @@ inline Mesh turned(const std::vector<std::array<double, 2>>& profile, const Vec3
                   put(0, profile.back()[0], 0));
 }
 
+/// A bur of 1.4 mm in a thick handle, its tip at (3, -2, 5), its shank towards -y.
+inline constexpr double kBurLength = 3.2;
+inline Mesh handpiece() {
+  return turned({{0, 0.7}, {kBurLength, 0.7}, {kBurLength + 0.5, 5}, {30, 6}}, {3, -2, 5}, -Vec3d::UnitY());
+}
+
 }  // namespace kerf

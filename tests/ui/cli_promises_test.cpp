@@ -382,6 +382,25 @@ TEST_F(CliPromises, NewToolFilesOfSawsAndMeshesAreToolsAtOnce) {
   EXPECT_EQ(info.exit_code, 0) << info.err;
 }
 
+// The drawing of a head goes where its tool goes.
+TEST_F(CliPromises, ABurFromADrawingIsKeptInItsRun) {
+  makeCase();
+  folder_.write("head.svg",
+                "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 2 4\" width=\"2mm\" height=\"4mm\">"
+                "<path d=\"M0 4 A4 4 0 0 0 .8 1.6 L.5 0\"/></svg>");
+  folder_.write("drawn.toml",
+                "format = \"kerf-tool\"\nversion = 1\nid = \"drawn\"\nname = \"Drawn\"\nkind = \"bur\"\n"
+                "shape = \"profile\"\nhead_diameter = 1.6\nprofile_file = \"head.svg\"\n");
+  EXPECT_EQ(runKerf({"tool", "check", at("drawn.toml")}).exit_code, 0);
+  EXPECT_EQ(runKerf({"tool", "bake", at("drawn.toml"), "-o", at("drawn.tool")}).exit_code, 0);
+  const Outcome cut =
+      runKerf({"cut", at("box.case"), "--tool", at("drawn.toml"), "--path", at("groove.csv"), "-o", at("drawn.run")});
+  ASSERT_EQ(cut.exit_code, 0) << cut.err;
+  std::filesystem::remove(in("head.svg"));
+  for (const char* kept : {"drawn.tool/tool.toml", "drawn.run/tool.toml"})
+    EXPECT_EQ(runKerf({"tool", "info", at(kept)}).exit_code, 0) << kept;
+}
+
 // script (of bsdutils, which every Debian has) gives it a terminal.
 TEST_F(CliPromises, ToolCheckShowsAtATerminalHowFarItIs) {
   const std::string command = fmt::format("script -qec '{}/kerf tool check round-014 us-35' {} >/dev/null 2>&1",

@@ -25,12 +25,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A bur of 1.4 mm in a thick handle, its tip at (3, -2, 5), its shank towards -y.
-constexpr double kBurLength = 3.2;
-Mesh handpiece() {
-  return turned({{0, 0.7}, {kBurLength, 0.7}, {kBurLength + 0.5, 5}, {30, 6}}, {3, -2, 5}, -Vec3d::UnitY());
-}
-
 class ImportToolTest : public testing::Test {
  protected:
   WorkbenchOptions options() const {
@@ -70,16 +64,6 @@ class ImportToolTest : public testing::Test {
   AppContext context_{.bench = bench_, .camera = camera_, .width = 400, .height = 300};
 };
 
-TEST_F(ImportToolTest, TheThinnestEndIsTakenForTheTip) {
-  const std::vector<ToolWay> ways = toolWays(handpiece());
-  ASSERT_GE(ways.size(), 8u);
-  EXPECT_EQ(ways[0].name, "-y") << "an axis of the file goes before the length, which is the same way";
-  EXPECT_NEAR((ways[0].tip - Vec3d(3, -2, 5)).norm(), 0, 1e-6);
-  EXPECT_NEAR(ways[0].tip_width_mm, 1.4, 0.02);
-  EXPECT_NEAR(ways[0].cut_below_mm, kBurLength, 0.26) << "no farther than the head";
-  EXPECT_GT(ways[2].tip_width_mm, 5);
-}
-
 TEST_F(ImportToolTest, VerticesThatNoTriangleHasDoNotSpoilTheGuess) {
   const std::vector<ToolWay> right = toolWays(handpiece());
   Mesh mesh = handpiece();
@@ -94,19 +78,6 @@ TEST_F(ImportToolTest, VerticesThatNoTriangleHasDoNotSpoilTheGuess) {
 
   mustPlay("import.read " + written("bur.ply", mesh) + "\nwait\nimport.role 1 tool\nimport.start\nwait\n");
   EXPECT_TRUE(readTool(toolFolder() / "bur.toml")) << said();
-}
-
-// A contra-angle: its bur follows no axis of the file, nor its length.
-TEST_F(ImportToolTest, AThinEndIsFoundWhicheverWayItPoints) {
-  const Vec3d axis = Vec3d(0.42, 0.1, -0.9).normalized();
-  Mesh mesh = turned({{0, 0.05}, {1.2, 0.9}, {4, 0.9}, {4.5, 4}, {12, 4}}, {1, 2, 3}, axis);
-  const Mesh handle = turned({{0, 5}, {60, 7}}, Vec3d(1, 2, 3) + 10 * axis, Vec3d::UnitX());
-  append(mesh, handle);
-  const std::vector<ToolWay> ways = toolWays(mesh);
-  EXPECT_EQ(ways[0].name, "thin-end");
-  EXPECT_GT(ways[0].axis.dot(axis), std::cos(0.03));
-  EXPECT_NEAR(ways[0].tip_width_mm, 1.8, 0.15);
-  EXPECT_NEAR((ways[0].tip - Vec3d(1, 2, 3)).norm(), 0, 0.15);
 }
 
 TEST_F(ImportToolTest, ItIsWrittenIsInHandAndDrills) {

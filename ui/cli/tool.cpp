@@ -250,7 +250,7 @@ Expected<void> write(const ToolArguments& a, const fs::path& file, const Tool& t
   KERF_CHECK(requireMemory(tool, voxel, progress));
   KERF_TRY(folder, AtomicFolder::create(a.output, a.overwrite, kToolCopy));
   KERF_CHECK(copyFile(file, folder.staging() / kToolCopy));
-  if (tool.mesh) KERF_CHECK(copyFile(tool.mesh_file, folder.staging() / tool.mesh_file.filename()));
+  if (!tool.companion.empty()) KERF_CHECK(copyFile(tool.companion, folder.staging() / tool.companion.filename()));
 
   const auto sampled = [&](const ToolShape& shape) {
     return sampleDistance([&](const Vec3d& p) { return shape.distance(p); }, shape.bounds(), voxel, 4, progress);

@@ -248,7 +248,7 @@ Expected<RunManifest::EarlierCut> storeEarlier(const fs::path& from, const RunMa
   fs::create_directories(staging / folder, ignored);  // the copy reports the error
   KERF_CHECK(copyFile(from / cut.tool_file, staging / out.tool_file));
   KERF_CHECK(copyFile(from / cut.path_file, staging / out.path_file));
-  if (tool.mesh) KERF_CHECK(copyFile(tool.mesh_file, staging / folder / tool.mesh_file.filename()));
+  if (!tool.companion.empty()) KERF_CHECK(copyFile(tool.companion, staging / folder / tool.companion.filename()));
   return out;
 }
 

@@ -82,7 +82,7 @@ Expected<void> finishRun(const fs::path& staging, const Tool& tool, const fs::pa
   m.tool_sha256 = tool_hash;
   m.path_sha256 = path_hash;
   KERF_CHECK(copyFile(tool_file, staging / kRunToolCopy));
-  if (tool.mesh) KERF_CHECK(copyFile(tool.mesh_file, staging / tool.mesh_file.filename()));
+  if (!tool.companion.empty()) KERF_CHECK(copyFile(tool.companion, staging / tool.companion.filename()));
   KERF_CHECK(copyFile(path_file, staging / m.path_file));
 
   KERF_TRY(field_hash, sha256OfFile(staging / kRunField));

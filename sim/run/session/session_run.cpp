@@ -53,7 +53,7 @@ tl::unexpected<Error> nothingCut(const fs::path& run_folder) {
                .hint = "delete the folder if you do not need it"});
 }
 
-// Copies tool n, with its mesh, into a folder of its own, since names may repeat. Hashes before copying: see
+// Copies tool n, with the file it names, into a folder of its own, since names may repeat. Hashes before copying: see
 // finishRun().
 Expected<RunManifest::ToolFile> storeTool(const SessionTool& tool, std::size_t n, const fs::path& run_folder) {
   const std::string folder = fmt::format("{}/{:02}", kToolFolder, n + 1);
@@ -65,7 +65,8 @@ Expected<RunManifest::ToolFile> storeTool(const SessionTool& tool, std::size_t n
   fs::create_directories(run_folder / folder, failed);
   if (failed) return cannotWrite(run_folder / folder, failed.message());
   KERF_CHECK(copyFile(tool.file, run_folder / out.file));
-  if (tool.tool.mesh) KERF_CHECK(copyFile(tool.tool.mesh_file, run_folder / folder / tool.tool.mesh_file.filename()));
+  if (const fs::path& beside = tool.tool.companion; !beside.empty())
+    KERF_CHECK(copyFile(beside, run_folder / folder / beside.filename()));
   return out;
 }
 

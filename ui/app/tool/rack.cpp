@@ -30,11 +30,13 @@ std::optional<fs::file_time_type> timeOf(const fs::path& file) {
   return failed ? std::nullopt : std::optional(out);
 }
 
-// Mesh named in a tool's file, which may be invalid. Empty: none.
-fs::path meshNamedIn(const fs::path& tool_file) {
+// Mesh or outline named in a tool's file, which may be invalid. Empty: none.
+fs::path companionOf(const fs::path& tool_file) {
   const auto root = parseToml(tool_file);
-  const auto name = root ? (*root)["mesh"].value<std::string>() : std::nullopt;
-  return name && !name->empty() ? tool_file.parent_path() / *name : fs::path();
+  for (const char* key : {"mesh", "profile_file"})
+    if (const auto name = root ? (*root)[key].value<std::string>() : std::nullopt; name && !name->empty())
+      return tool_file.parent_path() / *name;
+  return {};
 }
 
 bool isIn(const Rack& rack, const fs::path& file) {
@@ -51,13 +53,13 @@ void keepBroken(Rack& rack, const fs::path& file, const Error& error, const Tool
 
 ToolTimes timesOf(const fs::path& tool_file) {
   ToolTimes out{timeOf(tool_file), {}};
-  if (const fs::path mesh = meshNamedIn(tool_file); !mesh.empty()) out.mesh = timeOf(mesh);
+  if (const fs::path mesh = companionOf(tool_file); !mesh.empty()) out.mesh = timeOf(mesh);
   return out;
 }
 
 ToolTimes timesOf(const SessionTool& tool) {
   ToolTimes out{timeOf(tool.file), {}};
-  if (tool.tool.mesh) out.mesh = timeOf(tool.tool.mesh_file);
+  if (!tool.tool.companion.empty()) out.mesh = timeOf(tool.tool.companion);
   return out;
 }
 

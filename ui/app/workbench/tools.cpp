@@ -218,9 +218,9 @@ void Tools::watch() {
   for (std::size_t n = 0; n < tools_.size(); ++n) {
     const Row& row = tools_[n];
     const ToolTimes seen = timesOfRow(row);
-    const bool is_there = seen.file && (seen.mesh || !row.tool.tool.mesh || row.error);
+    const bool is_there = seen.file && (seen.mesh || row.tool.tool.companion.empty() || row.error);
     if (!is_there || seen == row.times) continue;
-    const fs::path file = row.tool.file, mesh = row.tool.tool.mesh_file;
+    const fs::path file = row.tool.file, mesh = row.tool.tool.companion;
     const bool is_mesh = seen.file == row.times.file && !mesh.empty();
     const ToolTimes times = timesOf(file);
     auto tool = readTool(file);
