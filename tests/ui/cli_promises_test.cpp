@@ -382,6 +382,33 @@ TEST_F(CliPromises, NewToolFilesOfSawsAndMeshesAreToolsAtOnce) {
   EXPECT_EQ(info.exit_code, 0) << info.err;
 }
 
+TEST_F(CliPromises, ACatalogueBecomesToolsAndATableOfRefusals) {
+  folder_.write(
+      "burs.csv",
+      "name;iso6360;head_diameter;length;shank_diameter;shank_length;price\nRound 014;500314001001014;;;;;5,10\n"
+      "Bad;500314001001014;1,6;;;;5\nThick;;1,4;;2;10;5\nThick 2;500314001001012;;;2;16;5\n");
+  const std::vector<std::string> words{"tool", "import", at("burs.csv"), "-o", at("my tools")};
+  const Outcome o = runKerf(words);
+  EXPECT_EQ(o.exit_code, 1) << "it refuses some rows";
+  for (const char* said : {"row  name", "3    Bad", "code ends in 014 = 1.4 mm", "the head_diameter, 1.6 mm",
+                           "columns that are no keys, kept as comments: price", "written: 1 of 4 tools into "})
+    EXPECT_NE(o.out.find(said), o.out.npos) << said << "\n" << o.out;
+  EXPECT_EQ(runKerf({"tool", "check", at("my tools/round-014.toml")}).exit_code, 0);
+
+  std::vector<std::string> as_json = words;
+  as_json.insert(as_json.end(), {"--overwrite", "--json"});
+  const json j = json::parse(runKerf(as_json).out);
+  EXPECT_EQ(j["written"][0]["id"], "round-014") << j;
+  EXPECT_EQ(j["written"][0]["file"], at("my tools/round-014.toml")) << j;
+  EXPECT_EQ(j["refused"].size(), 3u) << j;
+
+  folder_.write("one.csv", "id,shape,head_diameter,shank_diameter,shank_length\nball,round,1.4,2,16\n");
+  const Outcome one = runKerf({"tool", "import", at("one.csv"), "-o", at("my tools")});
+  EXPECT_EQ(one.exit_code, 0) << one.err;
+  EXPECT_NE(one.out.find("row 2, ball: CHECK THIS: a shank of 2 mm"), one.out.npos) << one.out;
+  refuses({"tool", "import", at("none.csv"), "-o", at("my tools")}, {"none.csv", "no such file"});
+}
+
 // The drawing of a head goes where its tool goes.
 TEST_F(CliPromises, ABurFromADrawingIsKeptInItsRun) {
   makeCase();

@@ -41,7 +41,7 @@ inline constexpr CommandRow kCommands[] = {
      kInspect},
     {"devices", "List, probe and record connected devices; compute the coupling that a device can hold", addDevices,
      kInspect},
-    {"tool", "List, check, draw, start and bake tools", addTool, kInspect},
+    {"tool", "List, check, draw, start, import and bake tools", addTool, kInspect},
     {"demo", "Write synthetic anatomy: tissues, with a recipe to bake them", addDemo, kExamples},
     {"demo-molar", "Write a synthetic lower first molar for experiments", addDemoMolar, kExamples},
     {"help", "Explain a command of kerf, the commands of the window, or their scripts", addHelp, kOther},

@@ -9,6 +9,7 @@
 #include "geometry/base/atomic_file.h"
 #include "geometry/base/available_memory.h"
 #include "geometry/base/toml_reader.h"
+#include "geometry/catalogue/tool_catalogue.h"
 #include "geometry/field/sample_field.h"
 #include "geometry/field/vdb_io.h"
 #include "geometry/formats/mesh_writer.h"
@@ -360,6 +361,68 @@ int makeNew(const ToolArguments& a) {
   return kOk;
 }
 
+nlohmann::json importJson(const CatalogueImport& imported, const std::string& folder) {
+  nlohmann::json j{{"folder", folder},
+                   {"columns_as_comments", imported.remarks},
+                   {"written", nlohmann::json::array()},
+                   {"refused", nlohmann::json::array()}};
+  for (const CatalogueImport::Written& w : imported.written) {
+    j["written"].push_back({{"row", w.row}, {"id", w.id}, {"file", w.file.string()}});
+    if (!w.doubt.empty()) j["written"].back()["doubt"] = w.doubt;
+  }
+  for (const CatalogueImport::Refused& r : imported.refused)
+    j["refused"].push_back({{"row", r.row},
+                            {"name", r.name},
+                            {"column", r.column},
+                            {"found", r.found},
+                            {"expected", r.expected},
+                            {"hint", r.hint}});
+  return j;
+}
+
+// Columns as wide as their longest cell, the last one of any width.
+void printTable(const std::vector<std::vector<std::string>>& rows) {
+  std::vector<std::size_t> widths;
+  for (const auto& row : rows) {
+    widths.resize(std::max(widths.size(), row.size()));
+    for (std::size_t n = 0; n < row.size(); ++n) widths[n] = std::max(widths[n], row[n].size());
+  }
+  for (const auto& row : rows) {
+    std::string line;
+    for (std::size_t n = 0; n < row.size(); ++n)
+      line += fmt::format("{:<{}}  ", row[n], n + 1 < row.size() ? widths[n] : 0);
+    printText("{}\n", line.substr(0, line.find_last_not_of(' ') + 1));
+  }
+}
+
+int importTools(const ToolArguments& a) {
+  TerminalProgress terminal;
+  const auto imported = importCatalogue(a.tool, a.output, a.overwrite, terminal.callback());
+  terminal.clear();
+  if (!imported) return complain(imported.error());
+  const int exit_code = imported->refused.empty() ? kOk : kFailed;
+  if (a.json) {
+    printJson(importJson(*imported, a.output));
+    return exit_code;
+  }
+
+  for (const CatalogueImport::Written& w : imported->written)
+    if (!w.doubt.empty()) printText("row {}, {}: CHECK THIS: {}\n", w.row, w.id, w.doubt);
+  if (!imported->remarks.empty())
+    printText("columns that are no keys, kept as comments: {}\n", fmt::join(imported->remarks, ", "));
+  if (!imported->refused.empty()) {
+    std::vector<std::vector<std::string>> rows{{"row", "name", "column", "found", "expected"}};
+    for (const CatalogueImport::Refused& r : imported->refused)
+      rows.push_back({fmt::format("{}", r.row), r.name, r.column, r.found,
+                      r.hint.empty() ? r.expected : r.expected + ". Try: " + r.hint});
+    printText("refused:\n");
+    printTable(rows);
+  }
+  printText("written: {} of {} tools into {}\n", imported->written.size(),
+            imported->written.size() + imported->refused.size(), a.output);
+  return exit_code;
+}
+
 }  // namespace
 
 void addTool(CLI::App& command, int& exit_code) {
@@ -410,6 +473,16 @@ void addTool(CLI::App& command, int& exit_code) {
   n->add_option("-o,--output", a->output, "file to write, named after the id; default: ID.toml here");
   addOverwrite(*n, a->overwrite, "replace an existing file");
   n->callback([a, &exit_code] { exit_code = makeNew(*a); });
+
+  CLI::App* m = command.add_subcommand("import", "Write a tool file for each bur of a catalogue (CSV)");
+  m->footer("Example: kerf tool import catalogue.csv -o my-tools");
+  m->add_option("CSV", a->tool,
+                "table in UTF-8 whose first row names its columns: keys of a bur file, lengths in mm; or iso6360")
+      ->required();
+  m->add_option("-o,--output", a->output, "folder for the files, made if missing")->required();
+  addOverwrite(*m, a->overwrite, "replace existing files");
+  m->add_flag("--json", a->json, "print JSON on standard output");
+  m->callback([a, &exit_code] { exit_code = importTools(*a); });
 
   CLI::App* b = command.add_subcommand("bake", "Write a tool's distance fields (OpenVDB) and its mesh into a folder");
   b->footer("Example: kerf tool bake round-014 -o round-014.tool");
