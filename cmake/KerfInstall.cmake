@@ -26,7 +26,7 @@ if(KERF_BUILD_UI AND KERF_BUILD_WINDOW)  # entry in the menu, icon, file types
   install(FILES ${desktop}/kerf-sim.metainfo.xml DESTINATION ${CMAKE_INSTALL_DATADIR}/metainfo)
 endif()
 if(KERF_BUILD_UI)  # manual pages and completion of the programs
-  install(DIRECTORY ${CMAKE_BINARY_DIR}/share/ DESTINATION ${CMAKE_INSTALL_DATADIR})
+  install(DIRECTORY ${CMAKE_BINARY_DIR}/share/ DESTINATION ${CMAKE_INSTALL_DATADIR} REGEX "/share/kerf$" EXCLUDE)
 endif()
 install(FILES ${CMAKE_SOURCE_DIR}/LICENSE ${CMAKE_SOURCE_DIR}/README.md ${CMAKE_SOURCE_DIR}/CHANGELOG.md
         DESTINATION ${CMAKE_INSTALL_DOCDIR})
@@ -36,9 +36,9 @@ install(TARGETS kerf_options kerf_geometry kerf_exact kerf_files kerf_run kerf_s
         EXPORT kerfTargets
         ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(EXPORT kerfTargets NAMESPACE kerf:: DESTINATION ${package})
-install(TARGETS kerf_volumes LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/kerf)
+install(TARGETS kerf_volumes kerf_slice_trial DESTINATION ${CMAKE_INSTALL_LIBDIR}/kerf)
 # All that is installed beside the programs: scripts/install and scripts/package build it.
-add_custom_target(kerf_installed DEPENDS kerf_library kerf_volumes)
+add_custom_target(kerf_installed DEPENDS kerf_library kerf_volumes kerf_slice_trial)
 if(KERF_BUILD_PYTHON)
   add_dependencies(kerf_installed kerf_python)
   # Where Debian's interpreter looks, whatever the prefix is.

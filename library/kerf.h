@@ -12,6 +12,7 @@
 // This header is the interface, with the headers that it includes; other headers of Kerf are its own.
 #pragma once
 
+#include "geometry/base/assets.h"
 #include "geometry/base/error.h"
 #include "geometry/base/progress.h"
 #include "geometry/case/case_bundle.h"
@@ -29,3 +30,9 @@
 #include "sim/run/report/run_series.h"
 #include "sim/run/scene/load_scene.h"
 #include "sim/session/session.h"
+
+#ifdef KERF_INSTALLED_PREFIX  // by find_package(kerf): tools, materials and the reader of volumes are there
+namespace kerf::internal {
+inline const bool kPrefixIsSet = (setInstalledPrefix(KERF_INSTALLED_PREFIX), true);
+}  // namespace kerf::internal
+#endif

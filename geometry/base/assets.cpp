@@ -10,6 +10,19 @@ namespace kerf {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+fs::path& prefix() {
+  static fs::path found = KERF_PREFIX;
+  return found;
+}
+
+}  // namespace
+
+fs::path installedPrefix() { return prefix(); }
+
+void setInstalledPrefix(const fs::path& found) { prefix() = found; }
+
 fs::path ownFolder() {
   Dl_info info{};
   link_map* loaded = nullptr;
@@ -26,13 +39,11 @@ std::vector<fs::path> findAssets(const fs::path& name) {
   if (const char* assets = std::getenv("KERF_ASSETS"); assets && *assets) folders.emplace_back(assets);
   std::error_code failed;
   if (const fs::path own = ownFolder(); !own.empty()) {
-    folders.push_back(own / "../../../assets");
     // bin/, lib/, lib/x86_64-linux-gnu/, lib/python3/dist-packages/kerf/
     for (fs::path up = own / ".."; folders.size() < 8 && fs::exists(up, failed); up /= "..")
       folders.push_back(up / "share/kerf");
   }
-  folders.emplace_back(KERF_INSTALLED_ASSETS);
-  folders.emplace_back(KERF_SOURCE_ASSETS);
+  folders.push_back(installedPrefix() / "share/kerf");
   for (const fs::path& folder : folders) {
     const fs::path place = fs::weakly_canonical(folder / name, failed);
     if (!failed && fs::exists(place, failed) && std::find(out.begin(), out.end(), place) == out.end())

@@ -1,5 +1,5 @@
-// Interface of kerf_volumes.so: ITK behind three functions. Only for volume_file.cpp, which loads it, and
-// itk_reader.cpp.
+// Interface of kerf_volumes.so: ITK behind three functions. Only for volume_file.cpp, which loads it, itk_reader.cpp,
+// and kerf-slice-trial, which has it inside.
 #pragma once
 
 #include "preprocess/volume/volume_file.h"

@@ -1,15 +1,15 @@
 #include "preprocess/volume/slice_trial.h"
 
 #include <fcntl.h>
-#include <sys/resource.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <csignal>
-#include <fstream>
-#include <new>
+#include <string>
 #include <system_error>
 
 namespace kerf::internal {
@@ -17,90 +17,107 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Sets a soft limit, capped by the hard limit of the process.
-void setSoftLimit(decltype(RLIMIT_AS) what, rlim_t wanted) {
-  rlimit limit{};
-  if (getrlimit(what, &limit) != 0) return;
-  limit.rlim_cur = std::min(wanted, limit.rlim_max);
-  setrlimit(what, &limit);
+class Descriptor {
+ public:
+  explicit Descriptor(int fd) : fd_(fd) {}
+  ~Descriptor() { close(); }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int get() const { return fd_; }
+  void close() {
+    if (fd_ >= 0) ::close(fd_);
+    fd_ = -1;
+  }
+
+ private:
+  int fd_;
+};
+
+// Starts the program with `channel` as its standard input; its output is dropped. The signals of the host are not
+// its own: Ctrl-C reaches the host alone, which then kills it.
+// @return an error number.
+int start(pid_t& child, const fs::path& program, VolumeFormat format, std::uint64_t max_bytes, int channel) {
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_adddup2(&actions, channel, STDIN_FILENO);
+  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+
+  sigset_t none, all;
+  sigemptyset(&none);
+  sigfillset(&all);
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  posix_spawnattr_setsigmask(&attributes, &none);
+  posix_spawnattr_setsigdefault(&attributes, &all);
+  posix_spawnattr_setpgroup(&attributes, 0);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
+
+  std::string name = program.string(), kind = std::to_string(static_cast<int>(format)),
+              most = std::to_string(max_bytes);
+  char* const words[] = {name.data(), kind.data(), most.data(), nullptr};
+  const int error = posix_spawn(&child, name.c_str(), &actions, &attributes, words, environ);
+  posix_spawnattr_destroy(&attributes);
+  posix_spawn_file_actions_destroy(&actions);
+  return error;
 }
 
-// Allows two seconds of processor time from now, and more for a large file; exceeding them ends this process. The
-// wall-clock limit is ten times that: the machine may be busy, but a wait for a pipe that never closes must end.
-void limitTime(const fs::path& file) {
-  constexpr double kLeastSeconds = 2, kBytesPerSecond = 2e6, kMostSeconds = 3600;
-  std::error_code failed;
-  const auto bytes = fs::file_size(file, failed);
-  const double more =
-      std::min(kLeastSeconds + (failed ? 0 : static_cast<double>(bytes)) / kBytesPerSecond, kMostSeconds);
-  rusage used{};
-  getrusage(RUSAGE_SELF, &used);
-  const auto until = static_cast<rlim_t>(used.ru_utime.tv_sec + used.ru_stime.tv_sec) + 1 + static_cast<rlim_t>(more);
-  setSoftLimit(RLIMIT_CPU, until);
-  alarm(10 * static_cast<unsigned>(more));
+// The paths, each ended by a zero. A program that died shows when its answer is read.
+void sendPaths(int channel, const std::vector<fs::path>& files) {
+  std::string list;
+  for (const fs::path& f : files) list += f.string() + '\0';
+  for (std::size_t sent = 0; sent < list.size();) {
+    const auto n = send(channel, list.data() + sent, list.size() - sent, MSG_NOSIGNAL);
+    if (n < 0 && errno != EINTR) break;
+    if (n > 0) sent += static_cast<std::size_t>(n);
+  }
+  shutdown(channel, SHUT_WR);
 }
 
-// Peak memory of this process, bytes.
-double mostMemory() {
-  rusage used{};
-  getrusage(RUSAGE_SELF, &used);
-  return 1024.0 * static_cast<double>(used.ru_maxrss);
-}
-
-// Allows the memory of a sound file, on top of the current use; a larger request ends the process. GDCM allocates by a
-// length in the file before it checks the size of the file.
-// @param values  bytes of the pixels, unpacked; 0 while only the header is read.
-void limitMemory(const fs::path& file, double values) {
-  constexpr double kAmple = 512e6, kPerByte = 20, kCopies = 4;
-  std::error_code failed;
-  const auto size = fs::file_size(file, failed);
-  double pages = 0;
-  if (!(std::ifstream("/proc/self/statm") >> pages)) return;
-  const double most = pages * static_cast<double>(sysconf(_SC_PAGESIZE)) + kAmple + kCopies * values +
-                      (failed ? 0 : kPerByte * static_cast<double>(size));
-  setSoftLimit(RLIMIT_AS, static_cast<rlim_t>(most));
+// Waits for the answer, one byte; without one the program died. Its exit status is not used: a host that ignores
+// SIGCHLD gets none.
+Expected<bool> answerOf(int channel, const Progress& progress) {
+  constexpr int kWait_ms = 100;
+  for (;;) {
+    pollfd waits{channel, POLLIN, 0};
+    const int ready = poll(&waits, 1, kWait_ms);
+    if (ready > 0) {
+      char answer = 0;
+      const auto n = read(channel, &answer, 1);
+      if (n >= 0 || errno != EINTR) return n == 1;
+    } else if (!report(progress, 0, "trying the slices")) {
+      return cancelled();
+    }
+  }
 }
 
 }  // namespace
 
-bool survivesReading(const std::vector<fs::path>& files, VolumeFormat format, std::uint64_t max_bytes) {
-  const pid_t child = fork();
-  if (child < 0) return false;
-  if (child == 0) {
-    const int nowhere = open("/dev/null", O_WRONLY);
-    if (nowhere >= 0) dup2(nowhere, 2);
-    for (const int way_to_die : {SIGALRM, SIGXCPU, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT})
-      std::signal(way_to_die, SIG_DFL);
+Expected<bool> survivesReading(const std::vector<fs::path>& files, VolumeFormat format, std::uint64_t max_bytes,
+                               const Progress& progress) {
+  KERF_TRY(folder, volumeReaderFolder());
+  const fs::path program = folder / "kerf-slice-trial";
+  const auto unusable = [&](int error) {
+    return fail({.code = Error::Code::kUnsupported,
+                 .file = program.string(),
+                 .found = "it cannot be started: " + std::generic_category().message(error),
+                 .expected = "the program that tries slices before Kerf reads them",
+                 .hint = "apt install kerf-volumes; without packages install or build Kerf again, as a whole"});
+  };
+  int ends[2];
+  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) return unusable(errno);
+  const Descriptor ours(ends[0]);
+  Descriptor its(ends[1]);
+  pid_t child = 0;
+  if (const int error = start(child, program, format, max_bytes, its.get()); error != 0) return unusable(error);
+  its.close();
 
-    std::set_new_handler([] { _exit(1); });
-    std::error_code ignored;
-    for (const fs::path& f : files) {
-      limitTime(f);
-      limitMemory(f, 0);
-      // A length that is not true makes the library take that much memory. It must not happen in the program itself.
-      const auto size = fs::file_size(f, ignored);
-      const double ample = 1e8 + 20 * (ignored ? 0 : static_cast<double>(size)), before = mostMemory();
-      const bool is_slice = format != VolumeFormat::kDicom || isDicom(f);
-      if (mostMemory() > before + ample) _exit(1);
-      if (!is_slice) continue;
-
-      const auto h = readVolumeHeader(f, format);
-      if (mostMemory() > before + ample) _exit(1);
-      if (!h) continue;
-
-      double bytes = static_cast<double>(bytesOf(h->type)) * h->components;
-      for (const auto s : h->size) bytes *= static_cast<double>(s);
-      if (!(bytes <= static_cast<double>(max_bytes))) continue;
-      limitMemory(f, bytes);
-      std::vector<std::byte> values(static_cast<std::size_t>(bytes));
-      (void)readVolumeValues(f, format, values.data(), values.size());
-    }
-    _exit(0);
+  sendPaths(ours.get(), files);
+  auto answer = answerOf(ours.get(), progress);
+  if (!answer) kill(child, SIGKILL);
+  while (waitpid(child, nullptr, 0) < 0 && errno == EINTR) {
   }
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+  return answer;
 }
 
 }  // namespace kerf::internal

@@ -14,13 +14,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
+struct FoundReader {
+  const ItkReader* reader = nullptr;
+  fs::path folder;
+};
+
 #ifdef KERF_ITK_IS_LINKED
 
-Expected<const ItkReader*> findReader() { return kerfItkReader(); }
+Expected<FoundReader> findReader() { return FoundReader{kerfItkReader(), {}}; }
 
 #else
 
-// Beside the program (build tree and installed alike), where Kerf was installed, in the tree it was built in.
+// Beside the program (build tree and installed alike), and where Kerf was installed.
 std::vector<fs::path> placesOfReader() {
   std::vector<fs::path> places;
   const fs::path own = ownFolder();
@@ -28,12 +33,11 @@ std::vector<fs::path> placesOfReader() {
   std::error_code failed;
   for (fs::path up = own / ".."; !own.empty() && places.size() < 5 && fs::exists(up, failed); up /= "..")
     places.push_back((up / KERF_LIBRARY_FOLDER / "kerf/kerf_volumes.so").lexically_normal());
-  places.emplace_back(KERF_INSTALLED_VOLUMES);
-  places.emplace_back(KERF_BUILT_VOLUMES);
+  places.push_back(installedPrefix() / KERF_LIBRARY_FOLDER / "kerf/kerf_volumes.so");
   return places;
 }
 
-Expected<const ItkReader*> findReader() {
+Expected<FoundReader> findReader() {
   const std::vector<fs::path> places = placesOfReader();
   const auto unusable = [&](std::string file, std::string found) {
     return fail({.code = Error::Code::kUnsupported,
@@ -55,15 +59,15 @@ Expected<const ItkReader*> findReader() {
     const ItkReader* reader = entry();
     if (std::string(reader->version) != kVersion || reader->header_size != sizeof(VolumeHeader))
       return unusable(place.string(), std::string("the library of Kerf ") + reader->version);
-    return reader;
+    return FoundReader{reader, place.parent_path()};
   }
   return unusable(places.front().string(), "no such file");
 }
 
 #endif
 
-const Expected<const ItkReader*>& reader() {
-  static const Expected<const ItkReader*> found = findReader();
+const Expected<FoundReader>& reader() {
+  static const Expected<FoundReader> found = findReader();
   return found;
 }
 
@@ -74,33 +78,21 @@ Expected<void> loadVolumeReader() {
   return {};
 }
 
+Expected<fs::path> volumeReaderFolder() {
+  KERF_CHECK(loadVolumeReader());
+  return reader()->folder;
+}
+
 Expected<VolumeHeader> readVolumeHeader(const fs::path& path, VolumeFormat format) {
   KERF_CHECK(loadVolumeReader());
-  return (*reader())->read_header(path, format);
+  return reader()->reader->read_header(path, format);
 }
 
 Expected<void> readVolumeValues(const fs::path& path, VolumeFormat format, std::byte* out, std::uint64_t bytes) {
   KERF_CHECK(loadVolumeReader());
-  return (*reader())->read_values(path, format, out, bytes);
+  return reader()->reader->read_values(path, format, out, bytes);
 }
 
-bool isDicom(const fs::path& path) { return reader() && (*reader())->is_dicom(path); }
-
-std::size_t bytesOf(ValueType type) {
-  switch (type) {
-    case ValueType::kU8:
-    case ValueType::kI8:
-      return 1;
-    case ValueType::kU16:
-    case ValueType::kI16:
-      return 2;
-    case ValueType::kU32:
-    case ValueType::kI32:
-    case ValueType::kF32:
-      return 4;
-    default:
-      return 8;
-  }
-}
+bool isDicom(const fs::path& path) { return reader() && reader()->reader->is_dicom(path); }
 
 }  // namespace kerf::internal

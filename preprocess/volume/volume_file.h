@@ -17,7 +17,10 @@ namespace kerf::internal {
 
 enum class VolumeFormat { kNrrd, kNifti, kMetaImage, kDicom, kPng, kTiff, kBmp };
 enum class ValueType { kU8, kI8, kU16, kI16, kU32, kI32, kU64, kI64, kF32, kF64 };
-std::size_t bytesOf(ValueType type);
+constexpr std::size_t bytesOf(ValueType type) {
+  constexpr std::size_t kBytes[] = {1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
+  return kBytes[static_cast<std::size_t>(type)];
+}
 
 struct VolumeHeader {
   std::vector<std::uint64_t> size;  ///< values along each axis, fastest first
@@ -31,9 +34,11 @@ struct VolumeHeader {
   bool states_pixel_spacing = true, states_frame_spacing = true;
 };
 
-/// Loads the reader library. Call before a child process reads, and before isDicom().
+/// Loads the reader library. Call before isDicom().
 /// Errors: kUnsupported if kerf_volumes.so is missing or of another Kerf. Thread-safe, like all functions here.
 Expected<void> loadVolumeReader();
+/// Folder of the reader library.   Errors: as loadVolumeReader().
+Expected<std::filesystem::path> volumeReaderFolder();
 
 /// The header by ITK. @pre checkVolumeHeader() accepted the file, for the formats it knows. Never throws.
 Expected<VolumeHeader> readVolumeHeader(const std::filesystem::path& path, VolumeFormat format);

@@ -161,8 +161,10 @@ Expected<VolumePlan> planFolder(const fs::path& folder, const LabelReadOptions& 
     for (const fs::path& f : files)
       if (hasDicomMark(f)) KERF_CHECK(requireWholePixels(f));
   if (kinds.contains(VolumeFormat::kTiff)) KERF_CHECK(requireWholeTiffs(pictures, progress));
-  if (!survivesReading(are_pictures ? pictures : files, are_pictures ? *kinds.begin() : VolumeFormat::kDicom,
-                       options.max_bytes))
+  KERF_TRY(survives,
+           survivesReading(are_pictures ? pictures : files, are_pictures ? *kinds.begin() : VolumeFormat::kDicom,
+                           options.max_bytes, progress));
+  if (!survives)
     return fail({.code = Error::Code::kBadFormat,
                  .file = folder.string(),
                  .found = "a slice that crashes the reader library",

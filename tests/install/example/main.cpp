@@ -1,12 +1,10 @@
 // example CASE: presses a bur into the object for a second, from z = 0 down, and prints the force and the removed
 // volume.
+#include <kerf/kerf.h>
+
 #include <algorithm>
 #include <cstdio>
 #include <exception>
-
-#include "geometry/tool/tool_file.h"
-#include "sim/run/scene/load_scene.h"
-#include "sim/session/session.h"
 
 int main(int argc, char** argv) try {
   if (argc != 2) return 2;

@@ -1,5 +1,5 @@
 // Prints the size of a label volume. The reader is loaded from the installed Kerf.
-#include "preprocess/volume/label_volume.h"
+#include <kerf/kerf.h>
 
 #include <cstdio>
 
