@@ -39,7 +39,7 @@ std::string doubtAboutTurning(const Tool& tool) {
       tool.turned_mm3 / tool.unturned_mm3);
 }
 
-// A bur in a contra-angle is round about its axis, whatever its handpiece does.
+// A bur is round about its axis, also in a contra-angle.
 bool isBurInHandpiece(const Tool& tool) {
   return !tool.body_turns && tool.unturned_mm3 >= kLeastFilled * tool.turned_mm3;
 }

@@ -101,7 +101,7 @@ TEST(MeshTool, AVertexWithoutATriangleIsNotItsTip) {
   ASSERT_TRUE(writeMesh(folder.path() / "ball.ply", mesh));
   const std::string keys = "mesh = \"ball.ply\"\nmm_per_unit = 1\ntip = [0, 0, 0]\naxis = [0, 0, 1]\n";
   EXPECT_TRUE(readTool(folder.write("a.toml", recipe(keys + "cut_below = 1\n"))));
-  // The tip may be 0.02 mm beside the mesh: a part of no height is refused.
+  // The tip may be 0.02 mm beside the mesh: Kerf rejects a part of no height.
   for (Vec3d& p : mesh.vertices) p[2] += 0.015;
   ASSERT_TRUE(writeMesh(folder.path() / "ball.ply", mesh));
   const auto thin = readTool(folder.write("a.toml", recipe(keys + "cut_below = 0.01\n")));
