@@ -21,7 +21,7 @@
 # and the whole ends with an error. Started again, it tries only those that failed (or changed); with watch, those that
 # changed.
 #
-# No blank that counts inside the braces of an f-string: Snakemake 7 on Python 3.12 and newer drops it.
+# Snakemake 7 on Python 3.12 and newer drops blanks inside the braces of an f-string: none here may count.
 import csv
 import difflib
 import json
@@ -50,10 +50,11 @@ for key in config:
         raise WorkflowError(f"no key \"{key}\"; expected one of {', '.join(KEYS)}." + (f" Try: {near[0]}=" if near else ""))
 for key in ("voxel", "mem_mb", "runtime", "memory"):
     try:
-        if not float(config.get(key, 1)) > 0:
+        if not float(config.get(key, 1)) > 0 or key != "voxel" and int(float(config.get(key, 1))) < 1:
             raise ValueError
-    except (TypeError, ValueError):
-        raise WorkflowError(f"{key}={config[key]}: no number above 0. Try: a decimal point, as in {key}=0.2") from None
+    except (TypeError, ValueError, OverflowError):
+        raise WorkflowError(f"{key}={config[key]}: " + ("no number above 0. Try: a decimal point, as in voxel=0.2"
+                            if key == "voxel" else f"no whole number above 0. Try: {key}=60")) from None
 
 if not SCANS or not os.path.isdir(SCANS):
     raise WorkflowError(f"no folder of scans: {SCANS}. Try: --config scans=FOLDER out=FOLDER")
@@ -63,19 +64,33 @@ if bool(TOOL) != bool(PATH):
 ready = None
 if "watch" in config:
     with open(config["watch"]) as file:
-        ready = set(file.read().splitlines())
+        ready = set(map(os.path.normpath, file.read().splitlines()))
 
-inputs, left_out = {}, []
+
+def made_from(stem):
+    """The scan of an earlier result, as its log names it."""
+    try:
+        with open(os.path.join(OUT, "log", stem + ".txt"), errors="replace") as file:
+            return file.readline().split("== kerf bake ")[1].split(" -o ")[0]
+    except (OSError, IndexError):
+        return ""
+
+
+# With watch, a scan that nobody can do stops no other: it is left out, and why.
+inputs, left_out, not_done = {}, [], {}
 for name in sorted(os.listdir(SCANS)):
     stem, extension = os.path.splitext(name)
-    if ready is not None and os.path.join(SCANS, name) not in ready:
+    if ready is not None and os.path.normpath(os.path.join(SCANS, name)) not in ready:
         continue
     if extension.lower() not in FORMATS:
         if os.path.isfile(os.path.join(SCANS, name)) and not name.startswith("."):
             left_out.append(name)
         continue
     if stem in inputs and ready is not None:
-        left_out.append(f"{name} (would become {stem}.case, as {os.path.basename(inputs[stem])})")
+        here, before = os.path.join(SCANS, name), inputs[stem]
+        if made_from(stem) == here:
+            inputs[stem], here = here, before
+        not_done[os.path.basename(here)] = f"{inputs[stem]} and {here} would both become {stem}.case. Try: rename one"
         continue
     if stem in inputs:
         raise WorkflowError(f"{inputs[stem]} and {name} would both become {stem}.case. Try: rename one")
@@ -95,6 +110,8 @@ def unused_files():
 
 
 def say_what_is_left_out():
+    for why in not_done.values():
+        say(f"left out: {why}")
     unused = unused_files()
     if not unused:
         return
@@ -134,13 +151,17 @@ def parts_of(recipe):
     return sorted(files)
 
 
+def both_paths(found, name):
+    return f"{found[0]} and {found[1]} are both the path of {name}. Try: rename one"
+
+
 def path_of(name):
     """Of a folder of paths, that of this scan; kerf cut names the file if there is none."""
     if not PATH or not os.path.isdir(PATH):
         return PATH or ""
     found = [path for end in (".toml", ".csv") if os.path.isfile(path := os.path.join(PATH, name + end))]
     if len(found) > 1:
-        raise WorkflowError(f"{found[0]} and {found[1]} are both the path of {name}. Try: rename one")
+        raise WorkflowError(both_paths(found, name))
     return found[0] if found else os.path.join(PATH, name + ".toml")
 
 
@@ -153,7 +174,21 @@ def need_mb(name):
                 voxel = float(tomllib.load(file)["voxel"])
         except (OSError, ValueError, KeyError, TypeError):  # kerf will say what is wrong with it
             pass
-    return int(config.get("mem_mb") or max(1000, 4000 * (0.1 / float(voxel or 0.1)) ** 2))
+    voxel = float(voxel or 0.1)
+    return int(float(config.get("mem_mb") or max(1000, 4000 * (0.1 / (voxel if voxel > 0.001 else 0.001)) ** 2)))
+
+
+if ready is not None:
+    for name in list(inputs):
+        # Parts below the folder still grow: the next look has them.
+        folder = os.path.normpath(SCANS) + os.sep
+        if any(part.startswith(folder) and part not in ready for part in map(os.path.normpath, parts_of(inputs[name]))):
+            del inputs[name]
+            continue
+        try:
+            path_of(name)
+        except WorkflowError as why:
+            not_done[os.path.basename(inputs.pop(name))] = str(why)
 
 
 wildcard_constraints:
@@ -186,7 +221,7 @@ rule scan:
         rows=ROWS,
     resources:
         mem_mb=lambda wildcards: need_mb(wildcards.name),
-        runtime=int(config.get("runtime", 60)),
+        runtime=int(float(config.get("runtime", 60))),
     log:
         os.path.join(OUT, "log", "{name}.txt"),
     shell:
@@ -304,11 +339,11 @@ onstart:
         file.writelines(os.path.join(OUT, "log", name + ".row") + "\n" for name in inputs)
     os.replace(file.name, ROWS)
     if "memory" in config and ran:
-        most, need = int(config["memory"]), max(map(need_mb, inputs))
+        most, need = int(float(config["memory"])), max(map(need_mb, inputs))
         if need > most:
             say(f"one scan may need {need} MB, and only {most} MB are free: one at a time. "
                 "Try: larger voxels, or mem_mb= with a measured number")
-        elif most // need < min(len(ran), os.cpu_count()):
+        elif most // need < min(len(ran), getattr(workflow, "cores", None) or os.cpu_count()):
             say(f"{most // need} at a time: {need} MB each of {most} MB (mem_mb= and memory= change it)")
 
 
@@ -318,17 +353,21 @@ onsuccess:
         with open(REPORT, newline="") as file:
             rows = list(csv.DictReader(file))
         failed = [row["name"] for row in rows if row["status"] != "ok"]
-        done, skipped = len(rows) - len(failed), len(unused_files())
+        done, skipped = len(rows) - len(failed), len(unused_files()) + len(not_done)
         files = "file" if skipped == 1 else "files"
         for row in [row for row in rows if row["status"] != "ok"][:10]:
             scan = inputs[row["name"]]
             say(f"{scan}: {row['status']}: {row['reason'].removeprefix(scan + ': ')}")
+        if len(failed) > 10:
+            say(f"and {len(failed) - 10} more: {REPORT}")
         say(f"{done} done, {len(rows) - len(ran)} of the {len(rows)} earlier; {len(failed)} failed; "
             f"{skipped} {files} left out")
+        if not_done:
+            say(f"{len(not_done)} left out for a reason above: {', '.join(not_done)}")
         if failed:
             say(f"{len(failed)} of {len(rows)} failed: {', '.join(failed)}. "
                 f"Reasons: {REPORT}; logs: {os.path.join(OUT, 'log')}. "
-                + ("Started again, only these are tried again." if ready is None else "Each is tried again when it changes."))
+                + ("Started again, Kerf tries only these." if ready is None else "Kerf tries each when it changes."))
             os._exit(1)
         say(f"{len(rows)} of {len(rows)} done: {REPORT}")
 
