@@ -322,6 +322,11 @@ Expected<CatalogueImport> importCatalogue(const fs::path& csv, const fs::path& f
     if (!header.columns[n] && !header.titles[n].empty()) out.remarks.push_back(header.titles[n]);
 
   const std::span rows = std::span(table.rows).subspan(1);
+  if (rows.empty())
+    return fail({.code = Error::Code::kEmpty,
+                 .file = csv.string(),
+                 .found = "no row below the header",
+                 .expected = "one row a bur"});
   const bool comma = table.separator != ',' && std::any_of(rows.begin(), rows.end(), [&](const CsvRow& row) {
                        for (std::size_t n = 0; n < std::min(row.cells.size(), header.columns.size()); ++n)
                          if (const Column* c = header.columns[n];

@@ -147,9 +147,11 @@ Expected<void> DxfReader::readEntity(std::size_t begin, std::size_t end) {
   const auto code = [&](std::int64_t wanted) { return number(begin + 1, end, wanted); };
   KERF_TRY(paper, code(67));
   if (paper == 1) return {};
-  KERF_TRY(up, code(230));
-  if (up < 0)
-    return fail(atGroup(begin, Error::Code::kUnsupported, std::string(kind) + " drawn from behind",
+  KERF_TRY(out_x, code(210));
+  KERF_TRY(out_y, code(220));
+  KERF_TRY(out_z, code(230));
+  if (out_z < 0 || out_x != 0 || out_y != 0)
+    return fail(atGroup(begin, Error::Code::kUnsupported, std::string(kind) + " drawn in another plane",
                         "a drawing in the plane z = 0, seen from above", "draw it again in the top view"));
   KERF_TRY(flags, code(70));
   KERF_TRY(x, code(10));

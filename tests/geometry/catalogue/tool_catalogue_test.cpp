@@ -174,6 +174,7 @@ TEST_F(Catalogue, ATableWithoutAHeaderIsRefused) {
   EXPECT_NE(refused("a,round,1.4\nb,round,1.6\n").message().find("row 1: no column shape or iso6360"),
             std::string::npos);
   EXPECT_NE(refused("").message().find("empty table"), std::string::npos);
+  EXPECT_NE(refused("shape,iso6360\n").message().find("no row below"), std::string::npos);
   EXPECT_NE(refused("shape,Length,head_length\n").message().find("two columns for head_length"), std::string::npos);
 }
 
@@ -209,7 +210,7 @@ TEST_F(Catalogue, NoBytesCrashIt) {
       "[[0, 1], [3, 2]];\"side end\"\n";
   std::mt19937 random(20261121);
   std::size_t written = 0, refused = 0;
-  for (int n = 0; n < 500; ++n) {
+  for (int n = 0; n < 200; ++n) {
     std::string text = csv;
     for (std::size_t changes = random() % 6; changes > 0; --changes) {
       const std::size_t at = random() % text.size();
@@ -223,8 +224,8 @@ TEST_F(Catalogue, NoBytesCrashIt) {
     written += done && !done->written.empty();
     refused += !done || !done->refused.empty();
   }
-  EXPECT_GT(written, 50u);
-  EXPECT_GT(refused, 50u);
+  EXPECT_GT(written, 20u);
+  EXPECT_GT(refused, 20u);
   for (const auto& entry : fs::directory_iterator(folder_.path()))
     EXPECT_TRUE(entry.path().filename() == "c.csv" || entry.path() == tools()) << entry.path();
 }

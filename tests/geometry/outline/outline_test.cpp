@@ -161,6 +161,8 @@ TEST_F(Outline, WhatIsNoHalfProfileIsRefusedWithItsLine) {
   refuses("a.dxf", dxf(arc(3, 3, 1, 0, 360)), {"closed curve"});
   refuses("a.dxf", dxf(rod, groups({{9, "$INSUNITS"}, {70, "10"}})), {"$INSUNITS 10", "inches"});
   refuses("a.dxf", dxf(""), {"no curve"});
+  refuses("a.dxf", dxf(rod + groups({{0, "ARC"}, {40, "1"}, {230, "-1"}})), {"line 35", "another plane"});
+  refuses("a.dxf", dxf(groups({{0, "VIEWPORT"}, {67, "1"}}) + groups({{0, "TEXT"}})), {"line 15", "TEXT"});
   refuses("a.dxf", "AutoCAD Binary DXF\r\n\x1a", {"binary DXF", "ASCII"});
   refuses("a.dxf", dxf(groups({{0, "LINE"}, {10, "1,5"}})), {"line 13", "1,5"});
   refuses("a.dxf", "solid\n1\n", {"line 1", "group code"});
@@ -209,7 +211,7 @@ TEST_F(Outline, NoBytesCrashTheReaders) {
   std::mt19937 random(20261121);
   std::size_t read = 0, refused = 0;
   const std::vector<Drawing> all = drawings();
-  for (int n = 0; n < 1500; ++n) {
+  for (int n = 0; n < 800; ++n) {
     const Drawing& d = all[random() % all.size()];
     std::string text = d.text;
     for (std::size_t changes = random() % 8; changes > 0; --changes) {
@@ -239,7 +241,7 @@ TEST_F(Outline, NoBytesCrashTheReaders) {
       EXPECT_NE(drawn.error().message(), "");
     }
   }
-  EXPECT_GT(read, 100u);
+  EXPECT_GT(read, 50u);
   EXPECT_GT(refused, 100u);
 }
 
