@@ -46,6 +46,7 @@ if(KERF_BUILD_PYTHON)
   install(TARGETS kerf_python LIBRARY DESTINATION ${modules})
   install(FILES ${CMAKE_SOURCE_DIR}/python/kerf/__init__.py ${CMAKE_SOURCE_DIR}/python/kerf/__init__.pyi
                 ${CMAKE_SOURCE_DIR}/python/kerf/py.typed DESTINATION ${modules})
+  install(FILES ${CMAKE_SOURCE_DIR}/python/blender/kerf_import.py DESTINATION ${CMAKE_INSTALL_DATADIR}/kerf/blender)
 endif()
 
 # The interface is library/kerf.h: it and what it includes are installed, the other headers are Kerf's own.

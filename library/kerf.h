@@ -27,6 +27,7 @@
 #include "sim/hand/path.h"
 #include "sim/run/cut/cut_remarks.h"
 #include "sim/run/export/export_bundle.h"
+#include "sim/run/export/placed_pieces.h"
 #include "sim/run/report/run_series.h"
 #include "sim/run/scene/load_scene.h"
 #include "sim/session/session.h"

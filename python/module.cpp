@@ -4,10 +4,17 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <condition_variable>
+#include <exception>
+#include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
+#include <thread>
+#include <utility>
 #include <vector>
 
 #include "library/kerf.h"
@@ -72,6 +79,75 @@ auto unlocked(const Work& work) {
   return work();
 }
 
+// Threads that Ctrl-C left behind; joined before the interpreter ends. Guarded by its lock.
+std::vector<std::thread>& leftThreads() {
+  static auto* const threads = new std::vector<std::thread>();
+  return *threads;
+}
+
+// Runs work(progress) on a thread of its own; `function` is called here. Ctrl-C and errors of the function come out
+// within 0.4 s: OpenVDB has loops of seconds that cannot be cancelled, and then ends them unheard.
+// @param work  owns all that it uses.
+template <class T>
+T interruptible(std::function<Expected<T>(const Progress&)> work, py::object function) {
+  struct Job {
+    std::mutex mutex;
+    std::condition_variable changed;
+    std::optional<Expected<T>> result;
+    std::exception_ptr thrown;  // with a result of kCancelled
+    bool is_cancelled = false;
+    std::optional<std::pair<double, std::string>> report;  // waits for an answer
+  };
+  const auto job = std::make_shared<Job>();
+  std::thread thread([job, work = std::move(work)] {
+    Expected<T> result = cancelled();
+    try {
+      result = work([&](double done, std::string_view what) {
+        std::unique_lock lock(job->mutex);
+        job->report.emplace(done, what);
+        job->changed.notify_all();
+        job->changed.wait(lock, [&] { return job->is_cancelled || !job->report; });
+        return !job->is_cancelled;
+      });
+    } catch (...) {
+      job->thrown = std::current_exception();
+    }
+    const std::lock_guard lock(job->mutex);
+    job->result.emplace(std::move(result));
+    job->changed.notify_all();
+  });
+
+  PythonProgress told(std::move(function));
+  const Progress tell = told.callback();
+  const auto wait = [&](int most_ms, const auto& until) {  // true: it has ended
+    const py::gil_scoped_release release;
+    std::unique_lock lock(job->mutex);
+    job->changed.wait_for(lock, std::chrono::milliseconds(most_ms), until);
+    return job->result.has_value();
+  };
+  const auto has_ended = [&] { return job->result.has_value(); };
+  bool goes_on = true;
+  while (!wait(50, [&] { return has_ended() || (goes_on && job->report); })) {
+    if (!goes_on) continue;
+    std::unique_lock lock(job->mutex);
+    const auto report = job->report;
+    lock.unlock();
+    goes_on = report ? tell(report->first, report->second) : PyErr_CheckSignals() == 0;
+    lock.lock();
+    job->is_cancelled = !goes_on;
+    if (report) job->report.reset();
+    lock.unlock();
+    job->changed.notify_all();
+    if (!PyErr_Occurred() || wait(300, has_ended)) continue;
+    leftThreads().push_back(std::move(thread));
+    throw py::error_already_set();
+  }
+  thread.join();
+  if (PyErr_Occurred()) throw py::error_already_set();
+  if (job->thrown) std::rethrow_exception(job->thrown);
+  return valueOf(std::move(*job->result));
+}
+
 // ---- Meshes
 
 using SharedMesh = std::shared_ptr<Mesh>;
@@ -103,28 +179,31 @@ SharedMesh meshOf(const Doubles& vertices, const Indices& faces, const std::opti
   const auto count = static_cast<std::size_t>(vertices.shape(0));
   out->vertices.resize(count);
   const auto xyz = vertices.unchecked<2>();
-  for (std::size_t n = 0; n < count; ++n)
-    for (int k = 0; k < 3; ++k) {
-      const double value = xyz(static_cast<py::ssize_t>(n), k);
-      if (!std::isfinite(value))
-        raise({.code = Error::Code::kBadValue,
-               .place = "vertex " + std::to_string(n),
-               .found = std::to_string(value),
-               .expected = "finite coordinates"});
-      out->vertices[n][k] = value;
-    }
   const auto corners = faces.unchecked<2>();
-  out->triangles.resize(static_cast<std::size_t>(faces.shape(0)));
-  for (std::size_t n = 0; n < out->triangles.size(); ++n)
-    for (int k = 0; k < 3; ++k) {
-      const std::int64_t v = corners(static_cast<py::ssize_t>(n), k);
-      if (v < 0 || v >= static_cast<std::int64_t>(count))
-        raise({.code = Error::Code::kBadValue,
-               .place = "face " + std::to_string(n),
-               .found = "vertex " + std::to_string(v),
-               .expected = "0 to " + std::to_string(count - 1)});
-      out->triangles[n][static_cast<std::size_t>(k)] = static_cast<std::uint32_t>(v);
-    }
+  valueOf(unlocked([&]() -> Expected<void> {
+    for (std::size_t n = 0; n < count; ++n)
+      for (int k = 0; k < 3; ++k) {
+        const double value = xyz(static_cast<py::ssize_t>(n), k);
+        if (!std::isfinite(value))
+          return fail({.code = Error::Code::kBadValue,
+                       .place = "vertex " + std::to_string(n),
+                       .found = std::to_string(value),
+                       .expected = "finite coordinates"});
+        out->vertices[n][k] = value;
+      }
+    out->triangles.resize(static_cast<std::size_t>(faces.shape(0)));
+    for (std::size_t n = 0; n < out->triangles.size(); ++n)
+      for (int k = 0; k < 3; ++k) {
+        const std::int64_t v = corners(static_cast<py::ssize_t>(n), k);
+        if (v < 0 || v >= static_cast<std::int64_t>(count))
+          return fail({.code = Error::Code::kBadValue,
+                       .place = "face " + std::to_string(n),
+                       .found = "vertex " + std::to_string(v),
+                       .expected = "0 to " + std::to_string(count - 1)});
+        out->triangles[n][static_cast<std::size_t>(k)] = static_cast<std::uint32_t>(v);
+      }
+    return {};
+  }));
   if (colors) {
     const bool is_rgba = colors->ndim() == 2 && colors->shape(1) == 4;
     if (!is_rgba || (static_cast<std::size_t>(colors->shape(0)) != count &&
@@ -252,6 +331,10 @@ py::dict manifestOf(const CaseManifest& m) {
 using namespace kerf;  // NOLINT: the module's own names follow
 
 PYBIND11_MODULE(_kerf, m) {
+  py::module_::import("atexit").attr("register")(py::cpp_function([] {
+    const py::gil_scoped_release release;
+    for (std::thread& thread : leftThreads()) thread.join();
+  }));
   m.def("set_error", [](py::object error) { errorClass() = std::move(error); });
 
   py::class_<Mesh, SharedMesh>(m, "Mesh", py::dynamic_attr())
@@ -295,7 +378,9 @@ PYBIND11_MODULE(_kerf, m) {
   m.def("check", [](const SharedMesh& mesh) { return unlocked([&] { return checkMesh(*mesh); }); });
 
   py::class_<WorkpieceCut>(m, "Cut")
-      .def_property_readonly("mesh", [](const WorkpieceCut& cut) { return std::make_shared<Mesh>(cut.post_op.mesh); })
+      .def_property_readonly(
+          "mesh",
+          [](const WorkpieceCut& cut) { return unlocked([&] { return std::make_shared<Mesh>(cut.post_op.mesh); }); })
       .def_property_readonly("is_cut",
                              [](const WorkpieceCut& cut) {
                                py::array_t<bool> out(static_cast<py::ssize_t>(cut.post_op.is_cut.size()));
@@ -367,6 +452,22 @@ PYBIND11_MODULE(_kerf, m) {
           },
           py::arg("id"), py::arg("toml"), py::arg("path"), py::arg("times"), py::arg("force"), py::arg("progress"));
 
+  m.def(
+      "export",
+      [](const std::string& folder, py::object progress) {
+        return interruptible<SharedMesh>(
+            [folder](const Progress& told) -> Expected<SharedMesh> {
+              KERF_TRY(found, exportBundle(folder, {}, told));
+              Mesh& whole = found.post_op.mesh;
+              if (std::any_of(found.pieces.begin(), found.pieces.end(), [](const auto& p) { return p.isMoved(); })) {
+                KERF_TRY(pieces, placedPieces(whole, found.pieces, false, found.names));
+                whole = together(pieces);
+              }
+              return std::make_shared<Mesh>(std::move(whole));
+            },
+            std::move(progress));
+      },
+      py::arg("folder"), py::arg("progress") = py::none());
   m.def("open", [](const std::string& folder) { return valueOf(unlocked([&] { return Workpiece::open(folder); })); });
   m.def(
       "bake",
@@ -374,15 +475,18 @@ PYBIND11_MODULE(_kerf, m) {
          const std::optional<double>& base_height, const std::string& close, bool occlusal_plane,
          const std::optional<std::array<double, 3>>& base_direction, py::object progress) {
         const BakeOptions options = bakeOptions(voxel, unit, base, base_height, close, occlusal_plane, base_direction);
-        PythonProgress told(std::move(progress));
-        return valueOf(unlocked([&] { return Workpiece::bake(*mesh, options, told.callback()); }));
+        return interruptible<Workpiece>(
+            [mesh, options](const Progress& told) { return Workpiece::bake(*mesh, options, told); },
+            std::move(progress));
       },
       py::arg("mesh"), py::arg("voxel"), py::arg("unit"), py::arg("base"), py::arg("base_height"), py::arg("close"),
       py::arg("occlusal_plane"), py::arg("base_direction"), py::arg("progress"));
-  m.def("find_tool", [](const std::string& id) { return valueOf(findToolFile(id, defaultToolFolders())).string(); });
+  m.def("find_tool", [](const std::string& id) {
+    return valueOf(unlocked([&] { return findToolFile(id, defaultToolFolders()); })).string();
+  });
   m.def("tool_ids", [] {
     std::vector<std::string> out;
-    for (const ToolListing& listing : listTools(defaultToolFolders()))
+    for (const ToolListing& listing : unlocked([] { return listTools(defaultToolFolders()); }))
       if (listing.tool) out.push_back(listing.tool->id);
     return out;
   });

@@ -85,6 +85,11 @@ def open(folder):  # noqa: A001: kerf.open reads well
     return _kerf.open(os.fspath(folder))
 
 
+def export(folder, progress=None):
+    """The mesh that `kerf export` writes: of a run as cut, with its pieces at their places; the solid of a case."""
+    return _kerf.export(os.fspath(folder), progress)
+
+
 def bake(mesh, voxel=0.1, *, unit=None, base="", base_height=None, close="auto", occlusal_plane=False,
          base_direction=None, progress=None):
     """Closes a surface and bakes its distance field. unit: "mm", "cm", "m", "um", "inch"; None: as the file declares
@@ -106,4 +111,4 @@ def _cut(self, tool, path, *, times=None, force=None, progress=None):
 
 Case.cut = _cut
 
-__all__ = ["Case", "Check", "Cut", "Error", "Mesh", "Tool", "bake", "check", "open", "read", "tool", "tools"]
+__all__ = ["Case", "Check", "Cut", "Error", "Mesh", "Tool", "bake", "check", "export", "open", "read", "tool", "tools"]

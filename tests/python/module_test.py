@@ -1,6 +1,9 @@
-"""The Python module: arrays, errors, progress, Ctrl-C, forces, saving. Run with PYTHONPATH at the built package."""
+"""The Python module: arrays, errors, progress, Ctrl-C, forces, saving. Run with PYTHONPATH at the built package and
+KERF at the built program."""
 import os
 import signal
+import subprocess
+import sys
 import tempfile
 import threading
 import time
@@ -15,6 +18,32 @@ CORNERS = np.array([[x, y, z] for z in (-3.0, 0.0) for y in (-2.0, 2.0) for x in
 FACES = np.array([[0, 2, 1], [1, 2, 3], [4, 5, 6], [5, 7, 6], [0, 1, 4], [1, 5, 4],
                   [2, 6, 3], [3, 6, 7], [0, 4, 2], [2, 4, 6], [1, 3, 5], [3, 7, 5]])
 ACROSS = np.array([[-1.0, 0, 2], [-1, 0, -0.5], [1, 0, -0.5]])
+
+
+KERF = os.environ.get("KERF", "")
+# Bakes a demo arch, as large as a scan, at fine voxels, until Ctrl-C; says when it begins and how it ended.
+LONG_BAKE = """
+import sys, time
+import kerf
+mesh = kerf.read(sys.argv[1])
+steps = set()
+def told(done, step):
+    if step not in steps:
+        steps.add(step)
+        print(step, flush=True)
+try:
+    kerf.bake(mesh, voxel=0.08, unit="mm", base="horseshoe", progress=told)
+    print("ended", flush=True)
+except KeyboardInterrupt:
+    print("interrupted", flush=True)
+"""
+
+
+def cpu_seconds(process):
+    """User and system time of a running child, all threads."""
+    with open(f"/proc/{process}/stat") as file:
+        fields = file.read().rsplit(")", 1)[1].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 def block():
@@ -125,6 +154,60 @@ class Module(unittest.TestCase):
             kerf.bake(scan, voxel=0.05, unit="mm", progress=lambda done, step: began.set())
         thread.join()
 
+    @unittest.skipUnless(KERF, "KERF names no program")
+    def test_ctrl_c_comes_out_of_every_step_of_a_long_bake(self):
+        # In CPU time, which a loaded machine does not stretch: half a second on each core.
+        most = 0.5 * len(os.sched_getaffinity(0))
+        with tempfile.TemporaryDirectory() as folder:
+            subprocess.run([KERF, "demo", "arch", "-o", "arch"], cwd=folder, check=True, stdout=subprocess.DEVNULL,
+                           stderr=subprocess.DEVNULL)
+            for step, later in [("welding", 0), ("looking for crossings", 0), ("distance field", 0), ("distance field", 9)]:
+                with self.subTest(step=step, later=later):
+                    child = subprocess.Popen([sys.executable, "-c", LONG_BAKE, os.path.join(folder, "arch", "arch.ply")],
+                                             stdout=subprocess.PIPE, text=True)
+                    try:
+                        while child.stdout.readline().strip() != step:
+                            self.assertIsNone(child.poll(), "it ended before")
+                        begin = cpu_seconds(child.pid)
+                        while cpu_seconds(child.pid) < begin + later:
+                            time.sleep(0.01)
+                        before, clock = cpu_seconds(child.pid), time.monotonic()
+                        child.send_signal(signal.SIGINT)
+                        while (said := child.stdout.readline().strip()) not in ("interrupted", "ended", ""):
+                            pass
+                        took = cpu_seconds(child.pid) - before
+                        print(f"Ctrl-C, {later} s into {step}: {took:.2f} s of CPU, {time.monotonic() - clock:.2f} s",
+                              file=sys.stderr)
+                        self.assertEqual(said, "interrupted")
+                        self.assertLessEqual(took, most)
+                    finally:
+                        child.kill()
+                        child.wait()
+                        child.stdout.close()
+
+    @unittest.skipUnless(KERF, "KERF names no program")
+    def test_poses_cut_as_the_same_path_file_of_the_program(self):
+        steps = np.linspace(0, 1, 24)
+        angle = 0.4 * steps
+        poses = np.column_stack([2 * steps - 1, 0.3 * np.sin(5 * steps), -0.6 * steps, np.cos(angle / 2),
+                                 np.sin(angle / 2) * 0.6, np.sin(angle / 2) * 0.8, 0 * steps])
+        times = 1.5 * steps + 0.1 * steps ** 2
+        with tempfile.TemporaryDirectory() as folder:
+            with open(os.path.join(folder, "path.csv"), "w") as file:
+                file.write("t,x,y,z,qw,qx,qy,qz\n")
+                for t, pose in zip(times, poses):
+                    file.write(",".join(repr(float(v)) for v in (t, *pose)) + "\n")
+            block().write(os.path.join(folder, "block.ply"))
+            for words in ["bake block.ply --unit mm --voxel 0.1 -o block.case",
+                          "cut block.case --tool 856-016 --path path.csv -o block.run", "export block.run -o program.stl"]:
+                subprocess.run([KERF, *words.split()], cwd=folder, check=True, stdout=subprocess.DEVNULL)
+            cut = self.case.cut("856-016", poses, times=times)
+            cut.mesh.write(os.path.join(folder, "module.stl"))
+            with open(os.path.join(folder, "program.stl"), "rb") as a, open(os.path.join(folder, "module.stl"), "rb") as b:
+                self.assertEqual(a.read(), b.read())
+            straight = self.case.cut("856-016", poses[:, :3], times=times)
+            self.assertNotEqual(cut.removed_mm3, straight.removed_mm3)
+
     def test_other_threads_run_meanwhile(self):
         ticks = []
         stop = threading.Event()
@@ -136,10 +219,23 @@ class Module(unittest.TestCase):
 
         thread = threading.Thread(target=tick)
         thread.start()
-        kerf.bake(kerf.Mesh(CORNERS * 5, FACES), voxel=0.1, unit="mm")
-        stop.set()
-        thread.join()
-        self.assertGreater(len(ticks), 5)
+        scan = kerf.Mesh(CORNERS * 5, FACES)
+        calls = {"bake": lambda: kerf.bake(scan, voxel=0.1, unit="mm"), "cut": lambda: self.case.cut("round-014", ACROSS),
+                 "tools": kerf.tools}
+        try:
+            for name, call in calls.items():
+                # With the lock held there are none, however often it is called.
+                most = 0
+                for _ in range(20):
+                    before = len(ticks)
+                    call()
+                    most = max(most, len(ticks) - before)
+                    if most > 5:
+                        break
+                self.assertGreater(most, 5, name)
+        finally:
+            stop.set()
+            thread.join()
 
 
 if __name__ == "__main__":
