@@ -38,6 +38,14 @@ std::shared_ptr<const Language> languageOf(const std::map<std::string, std::stri
   return std::make_shared<const Language>(std::move(*out));
 }
 
+void holdCtrl(bool is_down) {
+#if IMGUI_VERSION_NUM >= 18900
+  ImGui::GetIO().AddKeyEvent(ImGuiMod_Ctrl, is_down);
+#else
+  ImGui::GetIO().KeyCtrl = is_down;
+#endif
+}
+
 class LanguageWindow : public test::OnABlock {
  protected:
   void TearDown() override {
@@ -99,13 +107,12 @@ TEST_F(LanguageWindow, ASliderShowsAndTakesADecimalComma) {
   draw();
   EXPECT_NE(draw().find("1,25mm"), std::string::npos);
   io.MousePos = {100, 40};
-  io.KeyCtrl = true;
-  io.KeyMods = ImGuiKeyModFlags_Ctrl;
+  holdCtrl(true);
   draw();
   io.MouseDown[0] = true;  // types instead of dragging
   draw();
-  io.MouseDown[0] = io.KeyCtrl = false;
-  io.KeyMods = ImGuiKeyModFlags_None;
+  io.MouseDown[0] = false;
+  holdCtrl(false);
   draw();
   for (const char letter : {'3', ',', '5'}) {
     io.AddInputCharacter(static_cast<unsigned char>(letter));

@@ -91,14 +91,17 @@ std::string rangeInWords(const std::string& low, const std::string& high) {
 }
 
 // Error for a non-number or a value out of range. CLI11 reports them in one sentence: "--voxel: Value 7 not in range
-// 0.005000 to 5.000000", or "Could not convert: --push = x".
+// 0.005000 to 5.000000", in version 2.4 "[0.005 - 5]"; or "Could not convert: --push = x".
 std::optional<Error> aboutNumber(const CLI::ParseError& e, const CLI::App& command) {
-  const std::string text = e.what();
+  std::string text = e.what();
+  const bool is_bracketed = text.find(" not in range [") != text.npos && text.ends_with(']');
+  if (is_bracketed) text.pop_back();
   const auto between = [&](std::size_t begin, std::size_t end) { return text.substr(begin, end - begin); };
   Error error{.code = Error::Code::kBadValue, .hint = typedName(command) + " --help"};
 
   const std::string unread = "Could not convert: ", is = " = ";
-  const std::string value = ": Value ", range = " not in range ", to = " to ";
+  const std::string value = ": Value ", range = is_bracketed ? " not in range [" : " not in range ",
+                    to = is_bracketed ? " - " : " to ";
   const std::size_t at_is = text.find(is), at_value = text.find(value), at_range = text.rfind(range),
                     at_to = text.rfind(to);
   if (text.starts_with(unread) && at_is != text.npos) {
