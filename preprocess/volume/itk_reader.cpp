@@ -29,10 +29,12 @@ namespace {
 
 using Io = itk::ImageIOBase;
 
-// ITK's copy of libtiff writes its complaints to standard error. It has no header, and uses its own names.
+// ITK's copy of libtiff writes its complaints to standard error. It has no header, and uses its own names,
+// others in ITK 5.4 than in 5.2.
 void quietTiff() {
   using Handler = void (*)(const char* module, const char* format, va_list arguments);
-  for (const char* name : {"itk_TIFFSetErrorHandler", "itk_TIFFSetWarningHandler"}) {
+  for (const char* name : {"itk_TIFFSetErrorHandler", "itk_TIFFSetWarningHandler", "itk_tiff_TIFFSetErrorHandler",
+                           "itk_tiff_TIFFSetWarningHandler"}) {
     const auto set = reinterpret_cast<Handler (*)(Handler)>(dlsym(RTLD_DEFAULT, name));
     if (set) set(nullptr);
   }

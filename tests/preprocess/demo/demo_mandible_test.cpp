@@ -25,7 +25,7 @@ class DemoMandible : public ::testing::Test {
     static const DemoAnatomy anatomy = *demoMandible(2);
     return anatomy;
   }
-  static const Mesh& mesh(const std::string& name) { return anatomy().mesh(name); }
+  static const Mesh& mesh(const char* name) { return anatomy().mesh(name); }
   static const Mesh& jaw() { return mesh("mandible.ply"); }
 
   /// The vertex of the left half furthest in a direction, among vertices that satisfy a condition.

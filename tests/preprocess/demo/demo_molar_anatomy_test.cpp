@@ -26,7 +26,7 @@ class DemoMolarAnatomy : public ::testing::Test {
     static const DemoAnatomy anatomy = *demoMolarAnatomy(2);
     return anatomy;
   }
-  static const Mesh& mesh(const std::string& name) { return anatomy().mesh(name); }
+  static const Mesh& mesh(const char* name) { return anatomy().mesh(name); }
   /// The highest point of the crown near a place.
   static Vec3d cuspAt(double x, double y) {
     Vec3d tip(0, 0, -1e9);
