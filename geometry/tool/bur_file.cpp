@@ -115,7 +115,9 @@ std::vector<OutlinePiece> readProfileFile(TomlTable& top, const std::filesystem:
   tool.companion = folder / name;
   auto outline = readOutline(tool.companion);
   if (outline) return *std::move(outline);
-  top.reject(kKey, outline.error().message(), "half the profile of a head", "kerf help tool");
+  const Error& error = outline.error();
+  top.reject(kKey, fmt::format("{}: {}{}", name, error.place.empty() ? "" : error.place + ": ", error.found),
+             error.expected, error.hint);
   return {};
 }
 
