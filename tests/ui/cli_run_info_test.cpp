@@ -327,6 +327,30 @@ TEST_F(CliRunInfo, TrimWritesBothSidesOrOneAndTheFileStaysAsItWas) {
       parsed({"trim", at("box.off"), "--box", "1,1,-2/9,9,9", "--keep", "die", "-o", at("c.stl"), "--json"});
   EXPECT_NEAR(corner["parts"][0]["volume_mm3"].get<double>(), 6, 1e-4);
 
+  // The plane x = 1 of 3D Slicer, in both frames; the side above is a fifth or a third of the box, by the frame.
+  const std::string slicer = R"({"markups": [{"type": "Line"}, {"type": "Plane", "coordinateSystem": "LPS",
+    "center": [1, 0, -2], "normal": [1, 0, 0]}]})";
+  folder_.write("lps.mrk.json", slicer);
+  folder_.write("ras.mrk.json", std::string(slicer).replace(slicer.find("LPS"), 3, "RAS"));
+  const double whole = 120;
+  const json lps = parsed({"trim", at("box.off"), "--plan", at("lps.mrk.json"), "-o", at("s.stl"), "--json"});
+  const json ras = parsed({"trim", at("box.off"), "--plan", at("ras.mrk.json"), "-o", at("r.stl"), "--json"});
+  const double above = lps["parts"][0]["volume_mm3"].get<double>();
+  EXPECT_GT(above, 0.1 * whole);
+  EXPECT_LT(above, 0.45 * whole);
+  EXPECT_NEAR(ras["parts"][0]["volume_mm3"].get<double>(), above, 1e-4) << "the box is the same on both sides of x = 0";
+  EXPECT_EQ(ras["planes"][0]["normal"], json({-1, 0, 0}));
+  EXPECT_TRUE(
+      lps["note"].get<std::string>().ends_with("1 plane of 3D Slicer in LPS: as written; left out 1 other markup"))
+      << lps["note"];
+  EXPECT_NE(ras["note"].get<std::string>().find("1 plane of 3D Slicer in RAS: x and y of RAS negated, to LPS"),
+            std::string::npos);
+  folder_.write("ras.off", "OFF\n# SPACE=RAS\n" + box().substr(4));
+  refuses({"trim", at("ras.off"), "--plan", at("lps.mrk.json"), "-o", at("x.stl")}, {"ras.off", "SPACE=RAS", "in LPS"});
+  folder_.write("bad.mrk.json", R"({"markups": [{"type": "Plane", "center": [1, 0], "normal": [1, 0, 0]}]})");
+  refuses({"trim", at("box.off"), "--plan", at("bad.mrk.json"), "-o", at("x.stl")},
+          {"bad.mrk.json", "markups[0].center", "a list of 2 items", "3 numbers"});
+
   refuses({"trim", at("box.off"), "--plane", "0,0,1@0,0,50", "-o", at("x.stl")},
           {"box.off", "nothing", "above plane 1"});
   refuses({"trim", at("box.off"), "--plane", "0,0,1", "-o", at("x.stl")}, {"--plane", "0,0,1@0,0,12"}, 2);

@@ -180,6 +180,16 @@ TEST_F(SawingTest, StepsNamesAndFiles) {
   EXPECT_EQ(plane().normal, normal);
   ASSERT_TRUE(play("saw.fit\n"));
   EXPECT_NEAR(plane().depth, 5.5, 0.4);
+
+  const std::string slicer = folder_
+                                 .write("cut.mrk.json", R"({"markups": [{"type": "Plane", "coordinateSystem": "RAS",
+    "center": [-2, 0, -2], "normal": [-1, 0, 0]}]})")
+                                 .string();
+  ASSERT_TRUE(play("saw.load \"" + slicer + "\"\n"));
+  EXPECT_EQ(bench_->saw->plan().planes().size(), 1u);
+  EXPECT_EQ(plane().normal, Vec3d::UnitX()) << "in the frame of the scan";
+  EXPECT_EQ(plane().name, "cut");
+  EXPECT_NE(bench_->notices->list().back().text.find("x and y negated (RAS)"), std::string::npos);
 }
 
 TEST_F(SawingTest, ByMouseThreeClicksOrALineMakeAPlane) {

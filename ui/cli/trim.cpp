@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -97,6 +98,7 @@ struct Cut {
   std::vector<Plane> planes;
   PlaneCutOptions options;
   std::array<const char*, 2> names{"above", "below"};  // of the two parts, in files
+  std::string note;                                    // about a plan of 3D Slicer
 };
 
 Error wrongTrimOption(const char* option, const std::string& found, const char* expected, const char* hint) {
@@ -135,6 +137,27 @@ Expected<void> addBetween(const std::string& word, Cut& cut) {
   return {};
 }
 
+// Slicer writes the frame into its mesh files, into the first lines or the header.
+Expected<void> requireLps(const TrimArguments& a) {
+  constexpr std::size_t kHeader = 512;
+  std::string begin(kHeader, '\0');
+  std::ifstream(a.what, std::ios::binary).read(begin.data(), kHeader);
+  if (begin.find("SPACE=RAS") == std::string::npos) return {};
+  return fail({.code = Error::Code::kUnsupported,
+               .file = a.what,
+               .place = "header",
+               .found = "SPACE=RAS",
+               .expected = "a mesh in LPS, the frame of the planes",
+               .hint = "export the mesh from 3D Slicer in LPS, its default"});
+}
+
+std::string slicerNote(const PlanOrigin& origin, std::size_t planes) {
+  std::string out = fmt::format("{} of 3D Slicer in {}: {}", counted(planes, "plane"), origin.frame,
+                                origin.isTurned() ? "x and y of RAS negated, to LPS" : "as written");
+  if (origin.others) out += fmt::format("; left out {}", counted(origin.others, "other markup"));
+  return out;
+}
+
 Expected<Cut> cutOf(const TrimArguments& a, const Mesh& solid) {
   Cut out;
   for (const std::string& word : a.planes) {
@@ -143,7 +166,11 @@ Expected<Cut> cutOf(const TrimArguments& a, const Mesh& solid) {
   }
   if (!a.plan.empty()) {
     SawPlan plan;
-    KERF_CHECK(plan.load(a.plan));
+    KERF_TRY(origin, plan.load(a.plan));
+    if (!origin.frame.empty()) {
+      KERF_CHECK(requireLps(a));
+      out.note = slicerNote(origin, plan.planes().size());
+    }
     for (const SawPlane& plane : plan.planes()) out.planes.push_back({plane.point, plane.normal});
   }
   if (!a.box.empty()) KERF_CHECK(addBox(a.box, out));
@@ -304,6 +331,8 @@ Expected<void> trim(const TrimArguments& a) {
   }
   KERF_CHECK(drill(a, *result, cut.options.post_op));
 
+  if (!cut.note.empty()) source.note += (source.note.empty() ? "" : "; ") + cut.note;
+
   const TerminalProgress guard;  // Ctrl-C waits for complete files
   const std::vector<TrimOutput> outputs = trimOutputsOf(a, cut, *result);
   for (const TrimOutput& output : outputs) {
@@ -371,7 +400,8 @@ void addTrim(CLI::App& command, int& exit_code) {
                              "cutting plane, mm: normal@point; or three points, counter-clockwise as seen from above; "
                              "or a height above the occlusal plane (negative: below). Repeat for several"))
       ->type_name(kPlaneWords);
-  command.add_option("--plan", a->plan, "planes from the window, written by saw.save")->type_name("FILE");
+  command.add_option("--plan", a->plan, "planes of the window (saw.save) or of 3D Slicer (.mrk.json)")
+      ->type_name("FILE");
   command.add_option("--box", a->box, "cut out the box between two corners")->type_name("X,Y,Z/X,Y,Z");
   command
       .add_option("--between", a->between,

@@ -127,7 +127,7 @@ Expected<void> save(AppContext& c, AppWords words) {
 }
 
 Expected<void> load(AppContext& c, AppWords words) {
-  KERF_TRY(file, sawWordOf(words, "FILE"));
+  KERF_TRY(file, sawWordOf(words, "PATH"));
   return c.bench.saw->load(file);
 }
 
@@ -206,7 +206,8 @@ constexpr AppCommand kRows[] = {
     {"saw.fit", "Saw", "Fit plane to bone and blade", "", "", "Limits the chosen plane to bone and blade again.",
      hasPlane, fit},
     {"saw.save", "", "", "", "FILE", "Writes all planned planes to a file.", when::isOpen, save},
-    {"saw.load", "", "", "", "FILE", "Reads planned planes from a file or a session folder.", when::isOpen, load},
+    {"saw.load", "Saw", "Open saw plan...", "", "PATH",
+     "Reads planned planes from a file, also of 3D Slicer (.mrk.json), or a session folder.", when::isOpen, load},
     {"saw.cut", "Saw", "Cut this plane", "", "[NEWTONS]",
      "Cuts the chosen plane with the current saw. NEWTONS limits the push (default 5 N).", hasPlane, cut},
     {"plane.cut", "", "", "", "[both|above|below] [KERF]",

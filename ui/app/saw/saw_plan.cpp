@@ -7,6 +7,7 @@
 
 #include "geometry/base/atomic_file.h"
 #include "geometry/base/toml_reader.h"
+#include "ui/app/saw/slicer_planes.h"
 
 namespace kerf {
 namespace {
@@ -255,7 +256,14 @@ Expected<void> SawPlan::save(const fs::path& file) const {
   return out.commit();
 }
 
-Expected<void> SawPlan::load(const fs::path& file) {
+Expected<PlanOrigin> SawPlan::load(const fs::path& file) {
+  if (isSlicerFile(file)) {
+    KERF_TRY(read, readSlicerPlanes(file));
+    clear();
+    for (SawPlane& plane : read.planes) add(std::move(plane));
+    chosen_ = 0;
+    return read.origin;
+  }
   KERF_TRY(root, parseToml(file));
   TomlTable top(root, file, "");
   const auto format = top.get<std::string>("format", "\"kerf-saw-plan\"");
@@ -266,7 +274,7 @@ Expected<void> SawPlan::load(const fs::path& file) {
                  .place = "key format / version",
                  .found = fmt::format("{} version {}", format, version),
                  .expected = fmt::format("kerf-saw-plan version {}", kFormatVersion),
-                 .hint = "load a file written by saw.save"});
+                 .hint = "load a file of saw.save, or planes of 3D Slicer (.mrk.json)"});
 
   std::vector<SawPlane> planes;
   const toml::array* const tables = top.has("plane") ? top.tables("plane") : nullptr;
@@ -287,7 +295,7 @@ Expected<void> SawPlan::load(const fs::path& file) {
   planes_ = std::move(planes);
   chosen_ = 0;
   ++version_;
-  return {};
+  return PlanOrigin{};
 }
 
 }  // namespace kerf

@@ -12,6 +12,8 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <span>
@@ -61,6 +63,16 @@ void turnApproach(SawPlane& plane, double angle);
 /// Moved and turned in the world, about any centre.
 SawPlane movedPlane(SawPlane plane, const Rigid3& by);
 
+/// Where the planes of a file come from.
+struct PlanOrigin {
+  /// Of a file of 3D Slicer: "LPS", "RAS", "LPS and RAS", or "LPS (not named)", the default of its schema. Empty: of
+  /// Kerf.
+  std::string frame;
+  std::size_t others = 0;  ///< markups that are no planes, left out
+  /// Some planes were written in RAS, and have x and y negated.
+  bool isTurned() const { return frame.ends_with("RAS"); }
+};
+
 /// Named planes, one of them chosen. Names are unique and not empty.
 class SawPlan {
  public:
@@ -85,9 +97,9 @@ class SawPlan {
 
   /// Writes a TOML file atomically. Errors: kWriteFailed.
   Expected<void> save(const std::filesystem::path& file) const;
-  /// Replaces all planes by those of a file. Errors name the key and keep the planes: kBadFormat, kBadValue;
-  /// kUnsupported for a version of another Kerf; kNotFound.
-  Expected<void> load(const std::filesystem::path& file);
+  /// Replaces all planes by those of a file of save(), or of 3D Slicer (slicer_planes.h). Errors name the key and keep
+  /// the planes: kBadFormat, kBadValue; kUnsupported for a version of another Kerf; kNotFound.
+  Expected<PlanOrigin> load(const std::filesystem::path& file);
 
  private:
   std::string freeName() const;

@@ -304,7 +304,12 @@ Expected<void> Sawing::save(const fs::path& file) const { return plan_.save(file
 
 Expected<void> Sawing::load(const fs::path& file) {
   std::error_code ignored;
-  return plan_.load(fs::is_directory(file, ignored) ? file / kSawPlanFile : file);
+  KERF_TRY(origin, plan_.load(fs::is_directory(file, ignored) ? file / kSawPlanFile : file));
+  if (origin.frame.empty()) return {};
+  const std::size_t n = plan_.planes().size();
+  bench_.notices->say(origin.isTurned() ? phrase("{} planes of 3D Slicer: x and y negated ({})", n, origin.frame)
+                                        : phrase("{} planes of 3D Slicer: as written ({})", n, origin.frame));
+  return {};
 }
 
 // ---- Sawing a plane

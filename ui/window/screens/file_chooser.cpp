@@ -17,7 +17,8 @@ namespace {
 namespace fs = std::filesystem;
 
 bool isToOpen(const AppCommand& command) {
-  for (const char* const id : {"file.open", "file.open-beside", "import.read", "import.add", "replay.open", "tool.add"})
+  for (const char* const id :
+       {"file.open", "file.open-beside", "import.read", "import.add", "replay.open", "tool.add", "saw.load"})
     if (command.id == id) return true;
   return false;
 }
