@@ -7,8 +7,8 @@
 
 namespace kerf {
 
-/// Remarks about a valid but unusual tool, separated by "; ": a mesh longest across its rotation axis or in another unit,
-/// a head ten times too wide or half or twice as wide as its name says, a shank for no handpiece. Empty for most.
+/// Remarks about a valid but unusual tool, separated by "; ": a mesh longest across its rotation axis or in another
+/// unit, a head ten times too wide or half or twice as wide as its name says, a shank for no handpiece. Empty for most.
 /// @cost O(triangles) of a mesh tool.
 std::string doubtAbout(const Tool& tool);
 
