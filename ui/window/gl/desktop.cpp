@@ -7,6 +7,7 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <cstdlib>
 
 #include "ui/window/gl/font.h"
 #include "ui/window/gl/gl_context.h"
@@ -46,6 +47,9 @@ Desktop::~Desktop() {
 }
 
 Expected<void> Desktop::open(int width, int height) {
+#ifdef GLFW_PLATFORM_X11  // GLFW 3.4 would try Wayland first; the window is tested on X11
+  if (std::getenv("DISPLAY")) glfwInitHint(GLFW_PLATFORM, GLFW_PLATFORM_X11);
+#endif
   if (!glfwInit()) return fail(noWindow("cannot open a window: " + lastGlfwError()));
   is_started_ = true;
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
