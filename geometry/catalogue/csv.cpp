@@ -71,7 +71,7 @@ Expected<CsvTable> parseCsv(std::string_view text, const std::filesystem::path& 
       } else {
         cells.back().append(text, at, length);
       }
-    } else if (c == '"' && !was_quoted && trimmed(cells.back()).empty()) {
+    } else if (c == '"' && !was_quoted && cells.back().find_first_not_of(" \t\r\n") == std::string::npos) {
       is_quoted = was_quoted = true;
       cells.back().clear();
     } else if (c == out.separator) {

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "geometry/base/atomic_file.h"
+#include "geometry/base/text.h"
 #include "geometry/catalogue/csv.h"
 #include "geometry/tool/head_shape.h"
 #include "geometry/tool/tool_doubt.h"
@@ -76,6 +77,24 @@ std::string keyOf(std::string title) {
   return out;
 }
 
+// The unit in a title, "mm" of "Length (mm)"; empty without one.
+std::string unitOf(const std::string& title) {
+  std::string out;
+  for (std::size_t n = std::min(title.find_first_of("([,"), title.size()); n < title.size(); ++n)
+    if (std::string_view("()[], ").find(title[n]) == std::string_view::npos)
+      out += static_cast<char>(std::tolower(static_cast<unsigned char>(title[n])));
+  return out;
+}
+
+bool isUnitOf(const Column& column, const std::string& unit) {
+  if (unit.empty() || column.kind != CellKind::kNumber) return true;
+  if (column.key == "speed_rpm") return unit == "rpm" || unit == "1/min";
+  if (column.key == "stall_torque_Nmm") return unit == "nmm";
+  if (column.key == "time_constant_s") return unit == "s";
+  if (column.is_drive) return false;
+  return unit == "mm" || (column.key.ends_with("angle") && (unit == "deg" || unit == "\u00b0"));
+}
+
 // The meaning of the columns of a file.
 struct Header {
   std::vector<const Column*> columns;  // null: a remark
@@ -111,6 +130,9 @@ Expected<Header> readHeader(const CsvTable& table, const fs::path& csv) {
     const Column* column = &columns()[static_cast<std::size_t>(known - keys.begin())];
     if (std::find(out.columns.begin(), out.columns.end(), column) != out.columns.end())
       return refuse("two columns for " + key, "one", "another title for \"" + title + "\"");
+    if (!isUnitOf(*column, unitOf(title)))
+      return refuse("\"" + title + "\"", key + " in mm, drives in rpm, Nmm and s",
+                    "convert the column; a title without brackets says that it has this unit");
     out.columns.push_back(column);
   }
   if (!out.has("shape") && !out.has("iso6360"))
@@ -152,8 +174,25 @@ std::string oneLine(std::string text) {
 
 tl::unexpected<Refused> refused(const Column& column, const std::string& found, std::string expected,
                                 std::string hint = "") {
-  return tl::unexpected<Refused>(
-      {.column = column.key, .found = "\"" + found + "\"", .expected = std::move(expected), .hint = std::move(hint)});
+  return tl::unexpected<Refused>({.column = column.key,
+                                  .found = "\"" + found.substr(0, 60) + (found.size() > 60 ? "...\"" : "\""),
+                                  .expected = std::move(expected),
+                                  .hint = std::move(hint)});
+}
+
+// 300,000 or 380.000: three digits behind each mark.
+bool hasThousands(std::string_view number) {
+  std::size_t digits = 0, groups = 0;
+  for (const char c : number) {
+    if (c != '.' && c != ',') {
+      ++digits;
+      continue;
+    }
+    if (groups == 0 ? digits == 0 || digits > 3 : digits != 3) return false;
+    ++groups;
+    digits = 0;
+  }
+  return groups > 0 && digits == 3;
 }
 
 // A cell as a value of TOML. @param comma  the file writes 1,6 for 1.6.
@@ -165,12 +204,17 @@ tl::expected<std::string, Refused> valueOf(const Column& column, const std::stri
   }
   if (column.kind == CellKind::kWords) {
     std::string out;
-    for (const char* part : {"side", "end"})
-      if (cell.find(part) != cell.npos) out += fmt::format("{}\"{}\"", out.empty() ? "" : ", ", part);
-    const bool is_known = cell.find_first_not_of("siden +,&") == cell.npos && !out.empty();
-    if (!is_known) return refused(column, cell, "side, end, or both");
+    for (std::size_t at = 0; at < cell.size();) {
+      const std::size_t end = std::min(cell.find_first_of(" +,&", at), cell.size());
+      const std::string word = cell.substr(at, end - at);
+      if (!word.empty() && word != "side" && word != "end") return refused(column, cell, "side, end, or both");
+      if (!word.empty()) out += fmt::format("{}\"{}\"", out.empty() ? "" : ", ", word);
+      at = end + 1;
+    }
     return "[" + out + "]";
   }
+  if (column.is_drive && hasThousands(cell))
+    return refused(column, cell, "a number without marks for thousands", "300000 in place of 300,000 or 300.000");
   std::string number = cell;
   if (comma && number.find('.') != number.npos)
     return refused(column, cell, "a decimal comma, as in the other cells of this file", "no point, none for thousands");
@@ -220,7 +264,8 @@ struct Draft {
 
 tl::expected<Draft, Refused> draftOf(const Header& header, const CsvRow& row, const fs::path& csv, bool comma) {
   Draft out{.row = row.number, .id = "", .name = "", .values = {}, .comments = {}};
-  out.comments = oneLine(fmt::format("# From {}, row {}; lengths in mm.", csv.filename().string(), row.number)) + "\n";
+  out.comments =
+      oneLine(fmt::format("# From {}, row {}; lengths in mm.", printable(csv.filename().string()), row.number)) + "\n";
   std::string iso;
   for (std::size_t n = 0; n < row.cells.size(); ++n) {
     const std::string& cell = row.cells[n];
@@ -357,11 +402,12 @@ Expected<CatalogueImport> importCatalogue(const fs::path& csv, const fs::path& f
     };
     if (!draft) {
       refuse(draft.error());
-    } else if (const auto [other, is_new] = rows_by_id.try_emplace(draft->id, draft->row); !is_new) {
+    } else if (const auto other = rows_by_id.find(draft->id); other != rows_by_id.end()) {
       refuse({.column = "id",
               .found = "\"" + draft->id + "\"",
               .expected = fmt::format("an id of its own: row {} has this one", other->second)});
     } else if (auto written = write(*draft, folder, overwrite)) {
+      rows_by_id[draft->id] = draft->row;
       out.written.push_back(std::move(*written));
     } else {
       refuse(written.error());

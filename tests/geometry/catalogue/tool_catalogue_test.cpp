@@ -170,6 +170,33 @@ TEST_F(Catalogue, DecimalCommasAndPointsDoNotMix) {
   EXPECT_EQ(tool("d").head_diameter_mm, 1.4);
 }
 
+TEST_F(Catalogue, AColumnInAnotherUnitIsRefusedByItsTitle) {
+  for (const char* title : {"Diameter (1/10 mm)", "Head diameter (inch)", "diameter [cm]", "Diameter, tenths"})
+    EXPECT_NE(refused(fmt::format("id,shape,\"{}\"\na,round,7\n", title)).message().find(title), std::string::npos)
+        << title;
+  EXPECT_NE(refused("id,shape,diameter,speed_rpm (krpm)\na,round,7,300\n").message().find("krpm"), std::string::npos);
+  EXPECT_EQ(import("id,shape,\"Diameter, mm\",Speed RPM [1/min]\na,round,1.4,300000\n").written.size(), 1u);
+}
+
+TEST_F(Catalogue, MarksForThousandsAreNoDecimalMarks) {
+  const char* const cells[] = {"380.000", "300,000", "1.300.000"};
+  for (const char* cell : cells)
+    for (const char separator : {';', '\t'}) {
+      const auto done =
+          import(fmt::format("id{0}shape{0}diameter{0}speed_rpm\na{0}round{0}1{0}{1}\n", separator, cell));
+      ASSERT_EQ(done.refused.size(), 1u) << cell;
+      EXPECT_EQ(done.refused[0].column, "speed_rpm");
+    }
+}
+
+TEST_F(Catalogue, ARefusedRowKeepsNoIdAndInsideIsNoSide) {
+  const auto done =
+      import("id,shape,diameter,cuts\na,ball,1.4,\na,round,1.4,\nb,round,1.4,inside\nc,round,1.4,side end\n");
+  EXPECT_EQ(done.written.size(), 2u);
+  ASSERT_EQ(done.refused.size(), 2u);
+  EXPECT_EQ(done.refused[1].column, "cuts");
+}
+
 TEST_F(Catalogue, ATableWithoutAHeaderIsRefused) {
   EXPECT_NE(refused("a,round,1.4\nb,round,1.6\n").message().find("row 1: no column shape or iso6360"),
             std::string::npos);
