@@ -98,6 +98,7 @@ class DxfReader {
   const MeshSource& source_;
   std::vector<Group> groups_;
   double scale_ = 1;
+  std::optional<double> height_;  // z of the drawing
   std::vector<OutlinePiece> pieces_;
   std::vector<Corner> corners_;  // of the polyline being read
   bool is_polyline_ = false, is_closed_ = false;
@@ -161,6 +162,17 @@ Expected<void> DxfReader::readEntity(std::size_t begin, std::size_t end) {
     line_ = 2 * begin + 1;  // two lines a group
   }
 
+  // All of it at one height. A POLYLINE has its height in its corners.
+  if (kind == "LINE" || kind == "ARC" || kind == "LWPOLYLINE" || kind == "VERTEX") {
+    KERF_TRY(z, code(kind == "LWPOLYLINE" ? 38 : 30));
+    KERF_TRY(to_z, code(31));
+    constexpr double kSame = 1e-6;
+    if (!height_) height_ = z;
+    if (std::abs(z - *height_) > kSame || (kind == "LINE" && std::abs(to_z - *height_) > kSame))
+      return fail(atGroup(begin, Error::Code::kUnsupported, std::string(kind) + " at another height z",
+                          "a flat drawing: all of it at one height", "project it to z = 0, in the top view"));
+  }
+
   if (kind == "LINE") {
     KERF_TRY(to_x, code(11));
     KERF_TRY(to_y, code(21));
@@ -191,7 +203,7 @@ Expected<void> DxfReader::readEntity(std::size_t begin, std::size_t end) {
       if (c == 20) corners_.back().at[1] = value;
       if (c == 42) corners_.back().bulge = value;
     }
-    return addCorners((static_cast<std::int64_t>(std::abs(flags)) & 1) != 0);
+    return addCorners((static_cast<std::int64_t>(std::min(std::abs(flags), 1e6)) & 1) != 0);
   }
   if (kind == "POLYLINE") {
     constexpr std::int64_t kCurved = 2 | 4 | 8 | 16 | 64;  // fitted, spline, 3D, meshes

@@ -109,8 +109,8 @@ Expected<std::vector<OutlinePiece>> readOutline(const std::filesystem::path& fil
                  .expected = fmt::format("at most {}", internal::kMostPieces),
                  .hint = "arcs in place of curves"});
   for (const OutlinePiece& piece : pieces)
-    if (!(piece.from.cwiseAbs().maxCoeff() < internal::kFarthest &&
-          piece.to.cwiseAbs().maxCoeff() < internal::kFarthest))
+    if (!((piece.from.array().abs() < internal::kFarthest).all() &&
+          (piece.to.array().abs() < internal::kFarthest).all() && std::isfinite(piece.bulge)))
       return fail({.code = Error::Code::kBadValue,
                    .file = file.string(),
                    .place = piece.line > 0 ? fmt::format("line {}", piece.line) : "",

@@ -78,6 +78,9 @@ class PathReader {
   void curveTo(const Point& a, const Point& b, const Point& end);
   void arcTo(double radius, bool is_large, bool is_sweep, const Point& end);
   void add(const Point& to, double bulge) {
+    if (!to.allFinite()) fault_ = "a point farther than numbers reach";
+    if (out_.size() > kMostPieces) fault_ = fmt::format("more than {} pieces", kMostPieces);
+    if (!fault_.empty()) return;
     const auto up = [&](const Point& p) { return Point(scale_ * p[0], -scale_ * p[1]); };
     out_.push_back({up(at_), up(to), bulge, 0});
     at_ = to;
@@ -91,6 +94,7 @@ class PathReader {
 
 void PathReader::curveTo(const Point& a, const Point& b, const Point& end) {
   constexpr double kFlat = 0.001, kMostChords = 1e4;  // mm
+  if (!(a.allFinite() && b.allFinite() && end.allFinite())) return lineTo(end);
   // A chord of 1/n of the curve is off by at most |B''| / (8 n^2).
   const Point begin = at_;
   const double bend = scale_ * 6 * std::max((begin - 2 * a + b).norm(), (a - 2 * b + end).norm());
@@ -167,6 +171,7 @@ std::string PathReader::read(std::string_view d) {
       if (next == 'Z' || next == 'z') {
         if (c == 0) return "a path that does not begin with M";
         lineTo(start_);
+        if (!fault_.empty()) return fault_;
         c = 'Z';
         continue;
       }
@@ -182,7 +187,6 @@ std::string PathReader::read(std::string_view d) {
     if (!command(c, text))
       return fmt::format("no number that \"{}\" takes at {}", c, inQuotes(text.rest().substr(0, 20)));
     if (!fault_.empty()) return fault_;
-    if (out_.size() > kMostPieces) return fmt::format("more than {} pieces", kMostPieces);
   }
   return "";
 }
@@ -205,10 +209,14 @@ class SvgReader final : public XmlParser::Handler {
       ++skipped_;
       return {};
     }
-    if (scale_ == 0) return readRoot(name, attributes);
-    if (attributes.find("transform"))
+    const std::string_view style = attributes.find("style").value_or("");
+    if (style.find("display") != style.npos || style.find("visibility") != style.npos || attributes.find("display") ||
+        attributes.find("visibility"))
+      return refuse("<" + std::string(name) + "> that may be hidden", "a drawing that is shown", "delete hidden parts");
+    if (attributes.find("transform") || style.find("transform") != style.npos)
       return refuse("the attribute transform of <" + std::string(name) + ">", "coordinates without a transform",
                     "apply the transform to the path: ungroup it, then edit its nodes");
+    if (scale_ == 0) return readRoot(name, attributes);
     if (name == "g") return {};
     if (name != "path")
       return refuse("the element <" + std::string(name) + ">", "one <path>", "convert it to a path, or delete it");

@@ -168,6 +168,15 @@ TEST_F(Outline, WhatIsNoHalfProfileIsRefusedWithItsLine) {
   refuses("a.dxf", "solid\n1\n", {"line 1", "group code"});
   refuses("a.dxf", dxf(groups({{0, "POLYLINE"}, {70, "8"}})), {"3D"});
   refuses("a.dxf", dxf(groups({{0, "POLYLINE"}}) + rod), {"without an end"});
+  const auto at = [&](const char* z, const char* to) {
+    return groups({{0, "LINE"}, {10, "0"}, {20, "0"}, {30, z}, {11, "1"}, {21, "0"}, {31, to}});
+  };
+  refuses("a.dxf", dxf(at("0", "5")), {"line 11", "height z"});
+  refuses("a.dxf", dxf(at("3", "3") + at("9", "9")), {"line 25", "height z"});
+  refuses("a.svg", svg("<path style=\"transform:scale(2)\" d=\"M0 0H1\"/>"), {"line 2", "transform"});
+  refuses("a.svg", svg("<g style=\"display:none\"><path d=\"M0 0H1\"/></g>"), {"line 2", "hidden"});
+  refuses("a.svg", svg("<path d=\"M0 0H1" + std::string(3000, 'Z') + "\"/>"), {"more than 1000 pieces"});
+  refuses("a.svg", svg("<path d=\"M0 0l1e308 0l1e308 0c1 1 1 1 1 1\"/>"), {"farther than numbers reach"});
   refuses("a.dwg", "AC1032", {".dwg", ".dxf or .svg"});
   refuses("a.svg", svg("<path d=\"M0 0H1\"/>", "viewBox=\"0 0 20 40\" width=\"20\" height=\"40\""), {"line 1", "unit"});
   refuses("a.svg", svg("<path d=\"M0 0H1\"/>", "width=\"20mm\" height=\"40mm\""), {"no viewBox"});
