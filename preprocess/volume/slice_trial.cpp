@@ -74,8 +74,8 @@ void sendPaths(int channel, const std::vector<fs::path>& files) {
   shutdown(channel, SHUT_WR);
 }
 
-// Waits for the answer, one byte; without one the program died. Its exit status is not used: a host that ignores
-// SIGCHLD gets none.
+// Waits for one byte; without one the program died. Its exit status is not used: a host that ignores SIGCHLD gets
+// none.
 Expected<bool> answerOf(int channel, const Progress& progress) {
   constexpr int kWait_ms = 100;
   for (;;) {
@@ -91,33 +91,48 @@ Expected<bool> answerOf(int channel, const Progress& progress) {
   }
 }
 
+// Ends with its scope.
+struct Child {
+  pid_t id = 0;
+  bool has_answered = false;
+  ~Child() {
+    if (id == 0) return;
+    if (!has_answered) kill(id, SIGKILL);
+    while (waitpid(id, nullptr, 0) < 0 && errno == EINTR) {
+    }
+  }
+};
+
 }  // namespace
 
 Expected<bool> survivesReading(const std::vector<fs::path>& files, VolumeFormat format, std::uint64_t max_bytes,
                                const Progress& progress) {
   KERF_TRY(folder, volumeReaderFolder());
   const fs::path program = folder / "kerf-slice-trial";
-  const auto unusable = [&](int error) {
+  const auto unusable = [&](const std::string& why) {
     return fail({.code = Error::Code::kUnsupported,
                  .file = program.string(),
-                 .found = "it cannot be started: " + std::generic_category().message(error),
+                 .found = "it cannot be started: " + why,
                  .expected = "the program that tries slices before Kerf reads them",
                  .hint = "apt install kerf-volumes; without packages install or build Kerf again, as a whole"});
   };
   int ends[2];
-  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) return unusable(errno);
+  const auto meaning = [](int error) { return std::generic_category().message(error); };
+  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) return unusable(meaning(errno));
   const Descriptor ours(ends[0]);
   Descriptor its(ends[1]);
-  pid_t child = 0;
-  if (const int error = start(child, program, format, max_bytes, its.get()); error != 0) return unusable(error);
+  Child child;
+  pid_t id = 0;
+  if (const int error = start(id, program, format, max_bytes, its.get()); error != 0) return unusable(meaning(error));
+  child.id = id;
   its.close();
 
   sendPaths(ours.get(), files);
-  auto answer = answerOf(ours.get(), progress);
-  if (!answer) kill(child, SIGKILL);
-  while (waitpid(child, nullptr, 0) < 0 && errno == EINTR) {
-  }
-  return answer;
+  KERF_TRY(begins, answerOf(ours.get(), progress));
+  if (!begins) return unusable("it ended before it read a slice");
+  KERF_TRY(survives, answerOf(ours.get(), progress));
+  child.has_answered = true;
+  return survives;
 }
 
 }  // namespace kerf::internal

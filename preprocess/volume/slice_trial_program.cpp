@@ -1,5 +1,5 @@
 // kerf-slice-trial FORMAT MAX-BYTES: reads slices before Kerf does. Standard input is a socket: the paths come from it,
-// each ended by a zero, and a byte goes back once all are read.
+// each ended by a zero; a byte goes back when it has them, another once all slices are read.
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -29,7 +29,9 @@ int main(int count, char** words) {
   std::vector<std::filesystem::path> files;
   for (std::size_t at = 0; at < list.size(); at += files.back().native().size() + 1) files.emplace_back(&list[at]);
 
+  const auto& reader = *kerfItkReader();
+  if (write(STDIN_FILENO, "r", 1) != 1) return 2;
   const auto format = static_cast<VolumeFormat>(std::atoi(words[1]));
-  if (!readEverySlice(*kerfItkReader(), files, format, std::strtoull(words[2], nullptr, 10))) return 1;
+  if (!readEverySlice(reader, files, format, std::strtoull(words[2], nullptr, 10))) return 1;
   return write(STDIN_FILENO, "+", 1) == 1 ? 0 : 2;
 }
