@@ -84,6 +84,7 @@ void drawWaysOfPlanning(AppContext& context, SawPanelState& state) {
   if (ui::button("Under the cusps", {-1, 0}))
     runSaw(context, "saw.plane-occlusal", wordsOf({static_cast<double>(state.above_cusps)}));
   if (ImGui::IsItemHovered()) ui::setTooltip("Parallel to the occlusal plane: trims a base");
+  if (!context.bench.saw->plan().planes().empty()) return;  // later from the menu
   if (ui::button("Open saw plan...", {-1, 0}) && context.ask_for_file) context.ask_for_file("saw.load");
   if (ImGui::IsItemHovered()) ui::setTooltip("Planes of an earlier session or of 3D Slicer (.mrk.json)");
 }
