@@ -3,12 +3,16 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
 #include <exception>
 #include <functional>
+#include <iterator>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -60,7 +64,9 @@ class PythonProgress {
       if (function_.is_none()) return true;
       try {
         const py::object answer = function_(done, py::str(what.data(), what.size()));
-        return answer.is_none() || answer.cast<bool>();
+        const int goes_on = answer.is_none() ? 1 : PyObject_IsTrue(answer.ptr());
+        if (goes_on < 0) throw py::error_already_set();
+        return goes_on != 0;
       } catch (py::error_already_set& error) {
         error.restore();
         return false;
@@ -79,10 +85,29 @@ auto unlocked(const Work& work) {
   return work();
 }
 
-// Threads that Ctrl-C left behind; joined before the interpreter ends. Guarded by its lock.
-std::vector<std::thread>& leftThreads() {
-  static auto* const threads = new std::vector<std::thread>();
-  return *threads;
+// The thread of a call.
+struct Worker {
+  std::thread thread;
+  std::shared_ptr<std::atomic<bool>> has_ended;
+  pid_t process = getpid();  // a fork has none of the threads
+};
+
+// Those that Ctrl-C or an error left behind. Guarded by the interpreter's lock.
+std::vector<Worker>& leftWorkers() {
+  static auto* const workers = new std::vector<Worker>();
+  return *workers;
+}
+
+// Joins the ended ones, or all.
+void joinLeft(bool all) {
+  std::vector<Worker>& left = leftWorkers();
+  const auto first = std::partition(left.begin(), left.end(), [&](const Worker& worker) {
+    return worker.process != getpid() || !(all || *worker.has_ended);
+  });
+  std::vector<Worker> now(std::make_move_iterator(first), std::make_move_iterator(left.end()));
+  left.erase(first, left.end());
+  const py::gil_scoped_release release;
+  for (Worker& worker : now) worker.thread.join();
 }
 
 // Runs work(progress) on a thread of its own; `function` is called here. Ctrl-C and errors of the function come out
@@ -98,8 +123,24 @@ T interruptible(std::function<Expected<T>(const Progress&)> work, py::object fun
     bool is_cancelled = false;
     std::optional<std::pair<double, std::string>> report;  // waits for an answer
   };
+  struct Guard {
+    std::shared_ptr<Job> job;
+    Worker worker;
+
+    ~Guard() {
+      if (!worker.thread.joinable()) return;
+      {
+        const std::lock_guard lock(job->mutex);
+        job->is_cancelled = true;
+      }
+      job->changed.notify_all();
+      leftWorkers().push_back(std::move(worker));
+    }
+  };
+  joinLeft(false);
   const auto job = std::make_shared<Job>();
-  std::thread thread([job, work = std::move(work)] {
+  const auto ended = std::make_shared<std::atomic<bool>>(false);
+  std::thread thread([job, ended, work = std::move(work)] {
     Expected<T> result = cancelled();
     try {
       result = work([&](double done, std::string_view what) {
@@ -112,10 +153,14 @@ T interruptible(std::function<Expected<T>(const Progress&)> work, py::object fun
     } catch (...) {
       job->thrown = std::current_exception();
     }
-    const std::lock_guard lock(job->mutex);
-    job->result.emplace(std::move(result));
-    job->changed.notify_all();
+    {
+      const std::lock_guard lock(job->mutex);
+      job->result.emplace(std::move(result));
+      job->changed.notify_all();
+    }
+    *ended = true;
   });
+  Guard guard{.job = job, .worker = {.thread = std::move(thread), .has_ended = ended}};
 
   PythonProgress told(std::move(function));
   const Progress tell = told.callback();
@@ -128,21 +173,19 @@ T interruptible(std::function<Expected<T>(const Progress&)> work, py::object fun
   const auto has_ended = [&] { return job->result.has_value(); };
   bool goes_on = true;
   while (!wait(50, [&] { return has_ended() || (goes_on && job->report); })) {
-    if (!goes_on) continue;
     std::unique_lock lock(job->mutex);
-    const auto report = job->report;
+    const auto report = goes_on ? job->report : std::nullopt;
     lock.unlock();
-    goes_on = report ? tell(report->first, report->second) : PyErr_CheckSignals() == 0;
+    const bool is_fine = report ? tell(report->first, report->second) : PyErr_CheckSignals() == 0;
+    goes_on = goes_on && is_fine;
     lock.lock();
     job->is_cancelled = !goes_on;
     if (report) job->report.reset();
     lock.unlock();
     job->changed.notify_all();
-    if (!PyErr_Occurred() || wait(300, has_ended)) continue;
-    leftThreads().push_back(std::move(thread));
-    throw py::error_already_set();
+    if (PyErr_Occurred() && !wait(300, has_ended)) throw py::error_already_set();
   }
-  thread.join();
+  guard.worker.thread.join();
   if (PyErr_Occurred()) throw py::error_already_set();
   if (job->thrown) std::rethrow_exception(job->thrown);
   return valueOf(std::move(*job->result));
@@ -331,10 +374,7 @@ py::dict manifestOf(const CaseManifest& m) {
 using namespace kerf;  // NOLINT: the module's own names follow
 
 PYBIND11_MODULE(_kerf, m) {
-  py::module_::import("atexit").attr("register")(py::cpp_function([] {
-    const py::gil_scoped_release release;
-    for (std::thread& thread : leftThreads()) thread.join();
-  }));
+  py::module_::import("atexit").attr("register")(py::cpp_function([] { joinLeft(true); }));
   m.def("set_error", [](py::object error) { errorClass() = std::move(error); });
 
   py::class_<Mesh, SharedMesh>(m, "Mesh", py::dynamic_attr())
