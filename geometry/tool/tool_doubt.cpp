@@ -123,7 +123,7 @@ std::string doubtAbout(const Tool& tool) {
 }
 
 std::string unitsOfABur(double length) {
-  constexpr double kShortest = 10, kLongest = 60;  // mm
+  constexpr double kShortest = 10 - 1e-6, kLongest = 60 + 1e-6;  // mm, and rounding
   constexpr std::pair<double, const char*> kUnits[] = {{1, "mm"}, {10, "cm"}, {25.4, "inches"}, {1000, "metres"}};
   std::string out;
   for (const auto& [factor, name] : kUnits)
