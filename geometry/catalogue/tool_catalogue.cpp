@@ -16,6 +16,7 @@
 #include "geometry/tool/tool_doubt.h"
 #include "geometry/tool/tool_file.h"
 #include "geometry/tool/tool_kinds.h"
+#include "geometry/tool/tool_template.h"
 
 namespace kerf {
 namespace {
@@ -230,19 +231,6 @@ tl::expected<std::string, Refused> valueOf(const Column& column, const std::stri
   return number.substr(at);
 }
 
-std::string hyphenated(const std::string& name) {
-  std::string out;
-  for (const char c : name) {
-    const auto letter = static_cast<unsigned char>(c);
-    if (letter < 128 && std::isalnum(letter))
-      out += static_cast<char>(std::tolower(letter));
-    else if (!out.empty() && out.back() != '-')
-      out += '-';
-  }
-  while (!out.empty() && out.back() == '-') out.pop_back();
-  return out;
-}
-
 // A row on its way to a file: values of TOML by key.
 struct Draft {
   std::size_t row = 0;
@@ -301,7 +289,7 @@ tl::expected<Draft, Refused> draftOf(const Header& header, const CsvRow& row, co
           fmt::format("{} {:03}", code->shapeName().empty() ? "Shape " + code->shape : code->shapeName(), code->tenths);
   }
   if (out.name.empty()) out.name = out.id;
-  if (out.id.empty()) out.id = hyphenated(out.name);
+  if (out.id.empty()) out.id = toolIdOf(out.name);
   if (out.id.empty())
     return tl::unexpected<Refused>(
         {.column = "id", .found = "missing", .expected = "an id, a name or an ISO 6360 code"});

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include "geometry/tool/handpiece.h"
@@ -78,6 +79,19 @@ std::string bladeTemplate(const BladeMotion& motion, const std::string& id) {
   text += row(fmt::format("# {} = ...", motion.drive_keys.stall),
               fmt::format("stall load, {}", motion.drive_keys.stall_unit));
   return text;
+}
+
+std::string toolIdOf(std::string_view name) {
+  std::string out;
+  for (const char c : name) {
+    const auto letter = static_cast<unsigned char>(c);
+    if (letter < 128 && std::isalnum(letter))
+      out += static_cast<char>(std::tolower(letter));
+    else if (!out.empty() && out.back() != '-')
+      out += '-';
+  }
+  while (!out.empty() && out.back() == '-') out.pop_back();
+  return out;
 }
 
 std::string meshToolTemplate(const std::string& mesh, const std::string& id, const MeshToolNumbers& numbers) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "geometry/tool/blade_motion.h"
 #include "geometry/tool/head_shape.h"
@@ -10,6 +11,9 @@ namespace kerf {
 
 /// "[0.0, -1.25, 3.0]", to a nanometre of a file in mm: the tip has to be the mesh's lowest point.
 std::string tomlVector(const Vec3d& v);
+
+/// "My Bur (2)" as "my-bur-2": an id of the letters, digits and hyphens that a tool file takes. Empty if none is left.
+std::string toolIdOf(std::string_view name);
 
 /// TOML that readTool accepts unchanged. Optional keys are comments.
 /// @param id  the stem of the file it goes into.

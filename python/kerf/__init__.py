@@ -2,7 +2,8 @@
 
 All lengths in mm, in the frame of the scan. Arrays are numpy; those of a mesh are views without a copy, read-only.
 An error is a kerf.Error with the attributes code, file, place, found, expected and hint. Long calls release the
-interpreter's lock, take progress(fraction, step) and end soon after Ctrl-C.
+interpreter's lock and take progress(fraction, step). Ctrl-C ends bake soon, the others at their next
+report of progress.
 
     m = kerf.read("arch.stl")
     c = kerf.bake(m, voxel=0.1, base="full")

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <system_error>
 #include <utility>
@@ -28,16 +27,8 @@ Mesh scaledTool(const Mesh& mesh, double scale) {
 }
 
 std::string idOf(const fs::path& file) {
-  std::string out;
-  for (const char c : file.stem().string()) {
-    const auto letter = static_cast<unsigned char>(c);
-    if (letter < 128 && std::isalnum(letter))
-      out += static_cast<char>(std::tolower(letter));
-    else if (!out.empty() && out.back() != '-')
-      out += '-';
-  }
-  while (!out.empty() && out.back() == '-') out.pop_back();
-  return out.empty() ? "my-tool" : out;
+  const std::string id = toolIdOf(file.stem().string());
+  return id.empty() ? "my-tool" : id;
 }
 
 // Makes a text safe within quotes, or behind a # in a line.
