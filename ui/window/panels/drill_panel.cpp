@@ -69,10 +69,12 @@ void drawHolePlace(AppContext& context, DrillPanelState& state, const std::optio
   // While a typed hole is drilled, the next place is awaited. A window that appears may take the keys away.
   if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape))) state.is_typed = false;
   if (state.is_typed && context.bench.drill->isDrilling() && !ImGui::IsAnyItemActive()) state.focus_in = 1;
-  if (state.focus_in > 1)
+  if (state.focus_in > 1) {
     --state.focus_in;
-  else if (state.focus_in == 1)
+  } else if (state.focus_in == 1) {
+    if (!ImGui::IsWindowFocused()) ImGui::SetWindowFocus();  // Dear ImGui 1.90 finds no field of another window
     ImGui::SetKeyboardFocusHere();
+  }
   const bool is_taken = holeField("x, y in mm", state.place, -1);
   if (state.focus_in == 1 && ImGui::IsItemActive()) state.focus_in = 0;
   if (!is_taken) return;
