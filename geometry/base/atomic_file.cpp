@@ -263,10 +263,15 @@ Expected<void> AtomicFile::State::flush() {
   return {};
 }
 
-Expected<std::string> AtomicFile::sha256() {
+Expected<fs::path> AtomicFile::flushed() {
   KERF_CHECK(state_->flush());
-  if (state_->temporary.empty()) return std::string();
-  return sha256OfFile(state_->temporary);
+  return fs::path(state_->temporary);
+}
+
+Expected<std::string> AtomicFile::sha256() {
+  KERF_TRY(file, flushed());
+  if (file.empty()) return std::string();
+  return sha256OfFile(file);
 }
 
 Expected<void> AtomicFile::commit() {

@@ -26,6 +26,8 @@ class AtomicFile {
   std::ostream& stream();
   /// SHA-256 of the bytes so far. Empty for a target that cannot be replaced.   Error kWriteFailed: a write failed.
   Expected<std::string> sha256();
+  /// The temporary file with all bytes so far. Empty for a target that cannot be replaced.   Error kWriteFailed.
+  Expected<std::filesystem::path> flushed();
   /// Flushes, syncs to the disk, renames over the target. Call once. Errors carry the system's reason ("No space left
   /// on device"); the old file then stays unchanged.
   Expected<void> commit();

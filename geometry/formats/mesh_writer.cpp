@@ -1,5 +1,6 @@
 #include "geometry/formats/mesh_writer.h"
 
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -23,7 +24,44 @@ Expected<const MeshFormatRow*> writerOf(const std::filesystem::path& path) {
                .hint = "end the name with the format wanted"});
 }
 
+constexpr const char* kOtherDisk = "write to another disk; the file was not replaced";
+
+// Disks, memory and libraries fail, and a printer would print the result.
+Expected<void> requireReadsBack(const std::filesystem::path& written, const MeshFormatRow& row, const Mesh& mesh,
+                                bool double_positions) {
+  auto read = [&]() -> Expected<MeshFile> {
+    KERF_TRY(source, internal::loadMeshSource(written));
+    return row.read(source, {});
+  }();
+  if (read) return internal::requireSameTriangles(read->mesh, mesh, double_positions);
+  return fail({.code = Error::Code::kWriteFailed,
+               .place = "reading back",
+               .found = read.error().found,
+               .expected = "the mesh just written",
+               .hint = kOtherDisk});
+}
+
 }  // namespace
+
+Expected<void> internal::requireSameTriangles(const Mesh& read, const Mesh& written, bool double_positions) {
+  const auto refuse = [](std::string found, std::string expected) {
+    return fail({.code = Error::Code::kWriteFailed,
+                 .place = "reading back",
+                 .found = std::move(found),
+                 .expected = std::move(expected),
+                 .hint = kOtherDisk});
+  };
+  if (read.triangles.size() != written.triangles.size())
+    return refuse(fmt::format("{} triangles", read.triangles.size()), std::to_string(written.triangles.size()));
+  for (std::size_t t = 0; t < written.triangles.size(); ++t)
+    for (int k = 0; k < 3; ++k) {
+      const Vec3d is = read.corner(t, k), wanted = written.corner(t, k);
+      if (double_positions ? is == wanted : is.cast<float>() == wanted.cast<float>()) continue;
+      return refuse(fmt::format("triangle {} at {:.9g}, {:.9g}, {:.9g}", t, is[0], is[1], is[2]),
+                    fmt::format("{:.9g}, {:.9g}, {:.9g}", wanted[0], wanted[1], wanted[2]));
+    }
+  return {};
+}
 
 Expected<void> canWriteMesh(const std::filesystem::path& path) {
   KERF_CHECK(writerOf(path));
@@ -65,6 +103,14 @@ Expected<void> writeMesh(const std::filesystem::path& path, const Mesh& mesh, co
     Error error = std::move(written).error();
     error.file = path.string();
     return fail(std::move(error));
+  }
+  KERF_TRY(bytes, file.flushed());
+  if (!bytes.empty() && !mesh.triangles.empty() && row->read != nullptr) {
+    auto same = requireReadsBack(bytes, *row, mesh, options.double_positions && row->carries.doubles);
+    if (!same) {
+      same.error().file = path.string();
+      return same;
+    }
   }
   return file.commit();
 }

@@ -29,6 +29,8 @@ struct MeshWriteOptions {
 
 /// Writes `mesh` in the format of the extension (writableExtensions()), beside the target first, then renamed: only a
 /// complete file replaces an existing one.
+/// Before that it reads the bytes back: every corner of every triangle must be there, bit for bit. Hence the file has
+/// every property of the checked mesh: closed, volume, extent, pieces, no crossings.
 /// Rounds positions to float32 (not PLY with double_positions); they read back bit for bit. Vertices and triangles keep
 /// their order and count. STL carries facet normals, no colour, and a header that never begins with "solid". STL and
 /// OFF go through OpenMesh, which rejects a non-2-manifold (open is valid): the Error then names the first triangle it
@@ -37,9 +39,17 @@ struct MeshWriteOptions {
 /// directly to a path that is no regular file (/dev/stdout).
 /// @pre   indices in range, finite positions.
 /// @throws nothing; full disk, missing folder or permission end in an Error with the system's reason.
+/// @cost  writing, and one readMesh().
 Expected<void> writeMesh(const std::filesystem::path& path, const Mesh& mesh, const MeshWriteOptions& options = {});
 
 /// Checks the conditions of writeMesh(): a known extension, a writable folder. Leaves nothing behind.
 Expected<void> canWriteMesh(const std::filesystem::path& path);
 
+namespace internal {
+
+/// Compares the triangles of a file with those of the mesh that it was written from: same number, same order, same
+/// positions, in float32 or in double. Error kWriteFailed with the first difference.
+Expected<void> requireSameTriangles(const Mesh& read, const Mesh& written, bool double_positions);
+
+}  // namespace internal
 }  // namespace kerf

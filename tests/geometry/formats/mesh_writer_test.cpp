@@ -174,6 +174,31 @@ TEST_F(MeshWriter, NonManifoldIsRefusedByStlAndOffAndKeptByTheOthers) {
   EXPECT_FALSE(writeMesh(folder_.path() / "a.stl", fan)) << "a repeated corner";
 }
 
+TEST_F(MeshWriter, AFileThatDiffersFromItsMeshIsFound) {
+  const Mesh mesh = torus(8);
+  const auto differs = [&](const Mesh& read, bool in_double = false) {
+    const auto same = internal::requireSameTriangles(read, mesh, in_double);
+    return same ? std::string() : same.error().found;
+  };
+  EXPECT_EQ(differs(mesh), "");
+  Mesh rounded = mesh;
+  for (Vec3d& p : rounded.vertices) p = p.cast<float>().cast<double>();
+  EXPECT_EQ(differs(rounded), "");
+  EXPECT_NE(differs(rounded, true), "");
+
+  Mesh fewer = mesh;
+  fewer.triangles.pop_back();
+  EXPECT_EQ(differs(fewer), std::to_string(fewer.triangles.size()) + " triangles");
+  Mesh turned = mesh;
+  std::swap(turned.triangles[5][0], turned.triangles[5][1]);
+  EXPECT_TRUE(differs(turned).starts_with("triangle 5 at"));
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    Mesh moved = rounded;
+    moved.vertices[v][2] = std::nextafter(static_cast<float>(moved.vertices[v][2]), 1e9f);
+    EXPECT_NE(differs(moved), "") << v;
+  }
+}
+
 TEST_F(MeshWriter, UnknownExtensionListsTheKnownOnes) {
   for (const char* name : {"a.xyz", "a"}) {
     const auto written = writeMesh(folder_.path() / name, torus(5));
