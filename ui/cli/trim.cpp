@@ -11,21 +11,14 @@
 #include <vector>
 
 #include "geometry/boolean/plane_cut.h"
-#include "geometry/case/case_bundle.h"
-#include "geometry/case/object_names.h"
 #include "geometry/formats/mesh_formats.h"
 #include "geometry/formats/mesh_writer.h"
-#include "geometry/mesh/mesh_check.h"
 #include "geometry/mesh/solids.h"
 #include "preprocess/unit/unit.h"
-#include "sim/run/export/export_bundle.h"
-#include "sim/run/export/placed_pieces.h"
-#include "sim/run/files/run_files.h"
-#include "sim/run/files/run_manifest.h"
 #include "ui/app/saw/plane_words.h"
 #include "ui/app/saw/saw_plan.h"
-#include "ui/app/view/mesh_in_mm.h"
 #include "ui/cli/command.h"
+#include "ui/cli/solid_source.h"
 
 namespace kerf::cli {
 namespace {
@@ -40,57 +33,6 @@ struct TrimArguments {
   double kerf_mm = 0;
   bool overwrites = false, json = false;
 };
-
-// ---- The object to cut
-
-struct Source {
-  Mesh solid;
-  std::optional<CaseManifest> of_case;
-  ObjectNames names;
-  std::string note;
-};
-
-// Reads a mesh file that is a solid already. kerf bake closes open ones and reports its changes.
-Expected<Source> readSolidMesh(const TrimArguments& a) {
-  KERF_TRY(read, readMeshInMm(a.what, a.unit));
-  Source out;
-  out.solid = std::move(read.mesh);
-  out.note = std::move(read.note);
-  if (read.unit != "mm")  // output is in single precision
-    for (Vec3d& p : out.solid.vertices) p = p.cast<float>().cast<double>();
-  out.names = ObjectNames::ofMesh(out.solid, read.objects);
-  const MeshReport report = checkMesh(out.solid);
-  if (report.print_ready) return out;
-  return fail({.code = Error::Code::kGeometry,
-               .file = a.what,
-               .found = report.reasons.empty() ? "not a solid" : report.reasons.front(),
-               .expected = "a solid: closed, without crossings",
-               .hint = fmt::format("kerf bake {} -o {}.case, then kerf trim the case", a.what,
-                                   fs::path(a.what).stem().string())});
-}
-
-Expected<Source> readSource(const TrimArguments& a) {
-  const bool is_run = isRun(a.what);
-  if (!is_run && !isCase(a.what)) return readSolidMesh(a);
-
-  KERF_TRY(exported, [&] {
-    TerminalProgress progress;
-    return exportBundle(a.what, {}, progress.callback());
-  }());
-  Source out;
-  out.solid = std::move(exported.post_op.mesh);
-  out.names = std::move(exported.names);
-  fs::path folder = a.what;
-  if (is_run) {
-    KERF_TRY(of_run, caseOfRun(a.what));
-    folder = of_run;
-  }
-  KERF_TRY(manifest, readCaseManifest(folder));
-  out.of_case = std::move(manifest);
-  for (const RunManifest::Piece& piece : exported.pieces)
-    if (piece.isMoved()) out.note = "pieces are cut at their scan positions, not where they were moved";
-  return out;
-}
 
 // ---- The cutting planes
 
@@ -205,17 +147,6 @@ std::vector<TrimOutput> trimOutputsOf(const TrimArguments& a, const Cut& cut, co
   return out;
 }
 
-Expected<void> requireNew(const TrimArguments& a, const Source& source, const std::string& path) {
-  if (source.of_case) return requireNoSource(path, *source.of_case);
-  std::error_code ignored;
-  if (!fs::equivalent(path, a.what, ignored)) return {};
-  return fail({.code = Error::Code::kBadValue,
-               .file = path,
-               .found = "the input file",
-               .expected = "another name: Kerf never overwrites a scan",
-               .hint = "another name or folder"});
-}
-
 // One piece of a part: several planes may cut off more than the intended one.
 struct PieceAt {
   double volume_mm3 = 0;
@@ -255,7 +186,7 @@ json trimJson(const char* name, const PostOpMesh& part) {
           {"crumbs_volume_mm3", r.crumbs_volume_mm3}};
 }
 
-json trimJson(const Cut& cut, const Source& source, const PlaneCut& result, const std::vector<TrimOutput>& outputs) {
+json trimJson(const Cut& cut, const SolidSource& source, const PlaneCut& result, const std::vector<TrimOutput>& outputs) {
   json planes = json::array(), files = json::array();
   for (const Plane& p : cut.planes)
     planes.push_back(
@@ -319,7 +250,7 @@ Expected<void> drill(const TrimArguments& a, PlaneCut& cut, const PostOpOptions&
 
 Expected<void> trim(const TrimArguments& a) {
   for (const std::string& path : a.outputs) KERF_CHECK(canWriteMesh(path));
-  KERF_TRY(source, readSource(a));
+  KERF_TRY(source, readSolid(a.what, a.unit));
   KERF_TRY(cut, cutOf(a, source.solid));
   auto result = [&] {
     TerminalProgress progress;
@@ -336,7 +267,7 @@ Expected<void> trim(const TrimArguments& a) {
   const TerminalProgress guard;  // Ctrl-C waits for complete files
   const std::vector<TrimOutput> outputs = trimOutputsOf(a, cut, *result);
   for (const TrimOutput& output : outputs) {
-    KERF_CHECK(requireNew(a, source, output.path));
+    KERF_CHECK(requireNotInput(a.what, source, output.path));
     KERF_CHECK(requireFree(output.path, a.overwrites));
   }
   for (const TrimOutput& output : outputs) {
