@@ -17,7 +17,7 @@
 #include "geometry/base/hash.h"
 #include "geometry/base/text.h"
 #include "geometry/field/brick_field.h"
-#include "geometry/mesh/self_intersection.h"
+#include "geometry/mesh/rigid_move.h"
 #include "geometry/mesh/solids.h"
 
 namespace kerf {
@@ -130,23 +130,13 @@ Expected<std::vector<std::uint32_t>> ownersOf(const Mesh& mesh, const Solids& so
   return owner;
 }
 
-bool crossesItself(const Mesh& mesh) { return !selfIntersections(mesh.vertices, mesh.triangles, 1).empty(); }
-
 Expected<Mesh> moved(const Mesh& mesh, const RunManifest::Piece& piece) {
-  constexpr int kAttempts = 12;
-  constexpr double kShift = 1e-5;  // mm
-  Mesh out = mesh;
-  for (int attempt = 0; attempt < kAttempts; ++attempt) {
-    const Vec3d shift = kShift * attempt * Vec3d(0.37, -0.61, 0.70);
-    for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
-      out.vertices[v] = roundedToFloat(piece.T_case_piece * mesh.vertices[v] + shift);
-    if (!crossesItself(out)) return out;
+  auto out = rigidlyMoved(mesh, piece.T_case_piece);
+  if (!out) {
+    out.error().place = fmt::format("piece \"{}\"", piece.name);
+    out.error().hint += ", or put it back";
   }
-  return fail({.code = Error::Code::kGeometry,
-               .place = fmt::format("piece \"{}\"", piece.name),
-               .found = "its surface crosses itself at its new position, rounded to single precision",
-               .expected = "a surface that can be printed",
-               .hint = "turn it by another 0.1 degrees, or put it back"});
+  return out;
 }
 
 // Adds its triangles to the piece, under their names.
