@@ -27,6 +27,15 @@ std::int64_t side(const Fixed& a, const Fixed& b, const Fixed& p, bool& is_left)
 
 }  // namespace
 
+tl::unexpected<Error> openAt(const ColumnGrid& grid, std::size_t line, double z) {
+  const Vec3d p = grid.place(line, z);
+  return fail({.code = Error::Code::kGeometry,
+               .place = fmt::format("near ({:.2f}, {:.2f}, {:.2f})", p[0], p[1], p[2]),
+               .found = "an open surface",
+               .expected = "a closed solid",
+               .hint = "kerf bake, then kerf export"});
+}
+
 Expected<void> checkAxis(const Vec3d& axis, const char* place) {
   if (axis.allFinite() && std::abs(axis.norm() - 1) < 1e-6) return {};
   return fail({.place = place,

@@ -51,6 +51,9 @@ class ColumnGrid {
   int nx_ = 0, ny_ = 0;
 };
 
+/// The error of a line that enters more often than it leaves, or less often.
+tl::unexpected<Error> openAt(const ColumnGrid& grid, std::size_t line, double z);
+
 /// Requires length 1 within 1e-6. @param place  name of the axis for the error.
 Expected<void> checkAxis(const Vec3d& axis, const char* place);
 

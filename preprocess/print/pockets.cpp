@@ -59,14 +59,7 @@ Expected<Air> airOf(const Mesh& solid, const ColumnGrid& grid, double floor, con
       if (before <= 0 && depth > 0 && met[at].z > begin) out.runs.push_back({begin, met[at].z, line});
       if (before > 0 && depth <= 0) begin = std::max(floor, met[at].z);
     }
-    if (depth != 0) {
-      const Vec3d p = grid.place(line, met[at - 1].z);
-      return fail({.code = Error::Code::kGeometry,
-                   .place = fmt::format("near ({:.2f}, {:.2f}, {:.2f})", p[0], p[1], p[2]),
-                   .found = "an open surface",
-                   .expected = "a closed solid",
-                   .hint = "kerf bake, then kerf export"});
-    }
+    if (depth != 0) return internal::openAt(grid, line, met[at - 1].z);
     out.runs.push_back({begin, kInfinity, line});
   }
   out.first.push_back(static_cast<std::uint32_t>(out.runs.size()));

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "geometry/field/material.h"
+#include "geometry/mesh/map_colour.h"
 #include "sim/live/scan_colours.h"
 #include "sim/live/tissue_mesher.h"
 #include "sim/live/tissue_section.h"
@@ -48,9 +49,6 @@ enum class SurfaceColours {
   kScan       ///< scanned colours; the tissue where there are none and on cut surfaces
 };
 
-/// Map colour: light yellow to dark blue, evenly darker, distinct for colour-blind users.
-/// @param share  0 light to 1 dark; clamped.
-Rgba8 mapColour(double share);
 inline constexpr double kMapReach = 5;  ///< mm: from one end of a map to the other, by default
 
 /// Range of the maps. With bands the colour changes every half millimetre.
