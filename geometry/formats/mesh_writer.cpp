@@ -65,6 +65,10 @@ Expected<void> internal::requireSameTriangles(const Mesh& read, const Mesh& writ
 
 Expected<void> canWriteMesh(const std::filesystem::path& path) {
   KERF_CHECK(writerOf(path));
+  return canWriteFile(path);
+}
+
+Expected<void> canWriteFile(const std::filesystem::path& path) {
   std::error_code ignored;
   if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored)) {
     // A pipe or a device: its reader would treat a trial opening as the real one.

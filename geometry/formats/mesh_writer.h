@@ -44,6 +44,8 @@ Expected<void> writeMesh(const std::filesystem::path& path, const Mesh& mesh, co
 
 /// Checks the conditions of writeMesh(): a known extension, a writable folder. Leaves nothing behind.
 Expected<void> canWriteMesh(const std::filesystem::path& path);
+/// The same for a file of any extension.
+Expected<void> canWriteFile(const std::filesystem::path& path);
 
 namespace internal {
 

@@ -8,6 +8,7 @@
 #include "geometry/case/case_bundle.h"
 #include "geometry/formats/mesh_formats.h"
 #include "geometry/formats/mesh_writer.h"
+#include "geometry/formats/segmentation_file.h"
 #include "geometry/mesh/solids.h"
 #include "sim/run/export/export_bundle.h"
 #include "sim/run/export/placed_pieces.h"
@@ -17,6 +18,7 @@
 #include "sim/run/files/small_cut.h"
 #include "sim/run/report/run_report.h"
 #include "ui/cli/command.h"
+#include "ui/cli/export_labels.h"
 
 namespace kerf::cli {
 namespace {
@@ -26,6 +28,7 @@ struct ExportArguments {
   std::vector<std::string> outputs;
   std::size_t beside = 0;
   std::string piece;
+  std::string grid;  // of a segmentation
   bool is_put_back = false, overwrites = false, json = false;
 };
 
@@ -261,8 +264,41 @@ Expected<std::vector<std::string>> namesOfOutputs(const ExportArguments& a) {
   return out;
 }
 
+// Segmentations instead of meshes.
+int runLabels(const ExportArguments& a) {
+  const auto isMesh = [](const std::string& path) { return !isSegmentationFile(path); };
+  const auto mesh = std::find_if(a.outputs.begin(), a.outputs.end(), isMesh);
+  if (mesh != a.outputs.end())
+    return complain({.code = Error::Code::kBadValue,
+                     .file = *mesh,
+                     .place = "-o",
+                     .found = "a mesh beside a segmentation",
+                     .expected = "meshes alone, or segmentations alone",
+                     .hint = "kerf export twice"});
+  if (!a.piece.empty())
+    return complain({.code = Error::Code::kUnsupported,
+                     .file = a.outputs.front(),
+                     .place = "--piece",
+                     .found = "a segmentation of one piece",
+                     .expected = "all pieces: each has segments of its own in the file",
+                     .hint = "leave out --piece"});
+  for (const std::string& path : a.outputs) {
+    if (const auto possible = canWriteFile(path); !possible) return complain(possible.error());
+    if (const auto checked = requireWritable(a, path); !checked) return complain(checked.error());
+  }
+  return exportLabels({a.bundle, a.outputs, a.grid, a.beside, a.json});
+}
+
 int runExport(const ExportArguments& given) {
   ExportArguments a = given;
+  if (std::any_of(a.outputs.begin(), a.outputs.end(), isSegmentationFile)) return runLabels(a);
+  if (!a.grid.empty())
+    return complain({.code = Error::Code::kBadValue,
+                     .file = a.outputs.front(),
+                     .place = "--grid",
+                     .found = "a mesh, which has no voxels",
+                     .expected = "a name that ends in .seg.nrrd",
+                     .hint = "leave out --grid"});
   const auto names = namesOfOutputs(a);
   if (!names) return complain(names.error());
   a.outputs = *names;
@@ -308,7 +344,8 @@ void addExport(CLI::App& command, int& exit_code) {
   command.add_option("RUN|CASE", a->bundle, "run or case folder, or a session file (.kerf)")->required();
   command
       .add_option("-o,--output", a->outputs,
-                  writableFormats() + "; colours in " + colorFormats() + ". Repeat for several")
+                  writableFormats() + "; colours in " + colorFormats() +
+                      ". NAME.seg.nrrd: the tissues as voxels, for 3D Slicer. Repeat for several")
       ->required()
       ->expected(1)
       ->allow_extra_args(false)
@@ -321,6 +358,11 @@ void addExport(CLI::App& command, int& exit_code) {
                   "the folder of NAME.stl or in the folder of -o")
       ->type_name("N|NAME|all");
   command.add_flag("--put-back", a->is_put_back, "export pieces at their scan positions, not where they were moved");
+  command
+      .add_option(
+          "--grid", a->grid,
+          "voxels of a .seg.nrrd: those of the scan if it was a volume (scan, the default), or of the case (case)")
+      ->check(CLI::IsMember({"scan", "case"}));
   addOverwrite(command, a->overwrites, "replace existing files");
   command.add_flag("--json", a->json, "print the summary as JSON on standard output");
   addCasePlaces(command);

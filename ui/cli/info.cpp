@@ -10,6 +10,7 @@
 #include "geometry/mesh/solids.h"
 #include "geometry/tool/tool_file.h"
 #include "preprocess/unit/unit.h"
+#include "preprocess/volume/label_names.h"
 #include "preprocess/volume/label_volume.h"
 #include "sim/run/report/run_report.h"
 #include "ui/cli/closing_json.h"
@@ -138,10 +139,12 @@ json gridInfo(const LabelVolume& v, const char* kind, const std::string& missing
   return j;
 }
 
-json volumeInfo(const LabelVolume& v, const std::string& missing) {
+json volumeInfo(const fs::path& path, const LabelVolume& v, const std::string& missing) {
   json j = gridInfo(v, "label volume", missing);
+  const auto names = labelNames(path);
   for (const LabelCount& c : countLabels(v)) {
     json label{{"label", c.label}, {"voxels", c.voxels}};
+    if (const auto name = names.find(c.label); name != names.end()) label["name"] = name->second;
     if (missing.empty()) label["volume_mm3"] = static_cast<double>(c.voxels) * v.voxelVolume();
     j["labels"].push_back(label);
   }
@@ -164,7 +167,7 @@ Expected<json> intensityInfo(const fs::path& path, const LabelReadOptions& optio
 
 Expected<json> labelVolumeInfo(const fs::path& path) {
   const auto volume = readLabelVolume(path);
-  if (volume) return volumeInfo(*volume, "");
+  if (volume) return volumeInfo(path, *volume, "");
   const auto isOfSpacing = [](const Error& error) { return error.place == "spacing"; };
   const bool has_spacing = !isOfSpacing(volume.error());
   if (has_spacing) return intensityInfo(path, {}, "", volume.error());
@@ -172,7 +175,7 @@ Expected<json> labelVolumeInfo(const fs::path& path) {
   // Labels can be counted without a spacing. A damaged file gets its own error: a spacing does not mend it.
   const LabelReadOptions ones{.spacing_mm = Vec3d::Ones()};
   const auto unplaced = readLabelVolume(path, ones);
-  if (unplaced) return volumeInfo(*unplaced, volume.error().found);
+  if (unplaced) return volumeInfo(path, *unplaced, volume.error().found);
   if (!isOfSpacing(unplaced.error())) return intensityInfo(path, ones, volume.error().found, unplaced.error());
   return fail(volume.error());
 }

@@ -147,10 +147,11 @@ std::optional<Material> tissueByName(const std::string& name) {
     std::string_view word;
     Material tissue;
   };
-  static constexpr std::array<Row, 37> kWords = {{{"sinus", Material::kNone},
+  static constexpr std::array<Row, 38> kWords = {{{"sinus", Material::kNone},
                                                   {"airway", Material::kNone},
                                                   {"pharynx", Material::kNone},
                                                   {"background", Material::kNone},
+                                                  {"removed", Material::kNone},
                                                   {"pulp", Material::kPulp},
                                                   {"root canal", Material::kPulp},
                                                   {"canal", Material::kNerveCanal},
