@@ -17,6 +17,9 @@ struct MeshWriteOptions {
   /// Write vertex and face colours if the format has them: PLY and OFF both, OBJ those of the vertices, 3MF those of
   /// the faces, else of the vertices.
   bool colors = true;
+  /// PLY: a number per vertex, as the property `quality` (float), which MeshLab and CloudCompare show as a scalar; NaN:
+  /// none. Empty: no such property. The other formats have none.
+  std::vector<float> vertex_quality{};
   /// Comment line of PLY and OBJ, the Application of 3MF; the other formats have none. It travels with the mesh, so it
   /// must name neither files nor people. Line ends in it become blanks.
   std::string comment = "Kerf";

@@ -33,6 +33,7 @@ Expected<void> writePly(std::ostream& out, const Mesh& mesh, const MeshWriteOpti
   out << "element vertex " << mesh.vertices.size() << '\n';
   for (const char axis : {'x', 'y', 'z'}) out << "property " << real << ' ' << axis << '\n';
   if (vertex_colors) out << kColorProperties;
+  if (!options.vertex_quality.empty()) out << "property float quality\n";
   out << "element face " << mesh.triangles.size() << "\nproperty list uchar int vertex_indices\n";
   if (face_colors) out << kColorProperties;
   out << "end_header\n";
@@ -44,6 +45,7 @@ Expected<void> writePly(std::ostream& out, const Mesh& mesh, const MeshWriteOpti
       p = options.double_positions ? put(p, std::bit_cast<std::uint64_t>(mesh.vertices[v][k]))
                                    : put(p, std::bit_cast<std::uint32_t>(static_cast<float>(mesh.vertices[v][k])));
     if (vertex_colors) p = putColor(p, mesh.vertex_colors[v]);
+    if (!options.vertex_quality.empty()) p = put(p, std::bit_cast<std::uint32_t>(options.vertex_quality[v]));
     out.write(record, p - record);
   }
 

@@ -10,8 +10,8 @@ namespace kerf::cli {
 /// @param command  with name and description.    @param exit_code  return value of main; set by the callback.
 using AddOptions = void(CLI::App& command, int& exit_code);
 
-AddOptions addBake, addCheck, addCut, addDemo, addDemoMolar, addDevices, addExport, addHelp, addInfo, addLive, addPick,
-    addPlot, addRecover, addReplay, addTool, addTrim;
+AddOptions addBake, addCheck, addCompare, addCut, addDemo, addDemoMolar, addDevices, addExport, addHelp, addInfo,
+    addLive, addPick, addPlot, addRecover, addReplay, addTool, addTrim;
 
 struct CommandRow {
   const char* name;     ///< as typed
@@ -35,6 +35,7 @@ inline constexpr CommandRow kCommands[] = {
     {"export", "Write the post-operative mesh of a run, or the closed solid of a case", addExport, kWorkflow},
     {"trim", "Cut a solid by planes into two, or a die out of a model, closed by flat faces", addTrim, kWorkflow},
     {"check", "Check if a mesh is ready to print, and list the reasons if not (exit 0 yes, 1 no)", addCheck, kInspect},
+    {"compare", "Measure how far two meshes differ: planned and achieved, before and after", addCompare, kInspect},
     {"info", "Describe a mesh, a label volume, a case, a run or a tool", addInfo, kInspect},
     {"pick", "Pick a point in a view: coordinates in mm, normal, tissue, thickness", addPick, kInspect},
     {"plot", "Draw a run over time: force, load, speed, temperature, distance, removed volume, as SVG", addPlot,
