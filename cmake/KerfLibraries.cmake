@@ -1,4 +1,4 @@
-# What kerf::geometry and kerf::sim link: Kerf's own build reads it, and find_package(kerf) from outside.
+# What kerf::geometry, kerf::preprocess and kerf::sim link: Kerf's own build reads it, and find_package(kerf) from outside.
 if(POLICY CMP0167)  # CMake 3.30 and newer: Boost's own CMake files, here and in the files of OpenVDB and CGAL
   cmake_policy(SET CMP0167 NEW)
   set(CMAKE_POLICY_DEFAULT_CMP0167 NEW)
@@ -26,6 +26,7 @@ pkg_check_modules(EXPAT REQUIRED IMPORTED_TARGET expat)
 pkg_check_modules(STB REQUIRED IMPORTED_TARGET stb)  # textures: JPEG, PNG
 pkg_check_modules(NETTLE REQUIRED IMPORTED_TARGET nettle)  # SHA-256
 find_package(ZLIB REQUIRED)
+pkg_check_modules(FREETYPE REQUIRED IMPORTED_TARGET freetype2)  # labels
 pkg_check_modules(HWY REQUIRED IMPORTED_TARGET libhwy)
 pkg_check_modules(HIDAPI REQUIRED IMPORTED_TARGET hidapi-hidraw)  # devices that are plugged in
 unset(CMAKE_POLICY_DEFAULT_CMP0167)

@@ -1,0 +1,289 @@
+#include "preprocess/print/label.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <numbers>
+
+#include "geometry/mesh/mesh_check.h"
+#include "geometry/mesh/solids.h"
+#include "preprocess/print/flat_shape.h"
+#include "tests/preprocess/solid_checks.h"
+
+namespace kerf::label_test {
+namespace {
+
+void expectPrintable(const Mesh& mesh) {
+  const MeshReport report = checkMesh(mesh);
+  EXPECT_TRUE(report.print_ready) << (report.reasons.empty() ? "" : report.reasons.front());
+  for (const Vec3d& p : mesh.vertices) ASSERT_EQ(p, roundedToFloat(p));
+}
+
+// Every character of Latin-1 that draws something.
+std::vector<std::string> latinCharacters() {
+  std::vector<std::string> out;
+  for (int c = 0x21; c < 0x7F; ++c) out.push_back(std::string(1, static_cast<char>(c)));
+  for (int c = 0xA1; c < 0x100; ++c)
+    if (c != 0xAD) out.push_back({static_cast<char>(0xC0 | (c >> 6)), static_cast<char>(0x80 | (c & 0x3F))});
+  return out;
+}
+
+Mesh moved(Mesh mesh, const Rigid3& pose) {
+  for (Vec3d& p : mesh.vertices) p = roundedToFloat(pose * p);
+  return mesh;
+}
+
+TEST(Label, TakesTheLettersVolumeOutOfABlock) {
+  const Mesh block = box({0, 0, 0}, {60, 20, 8});
+  for (const bool embossed : {false, true}) {
+    const LabelOptions label{.text = "Fall 17 äöß", .embossed = embossed, .point = {30, 10, 8}};
+    const auto done = withLabel(block, label);
+    ASSERT_TRUE(done) << done.error().message();
+    expectPrintable(done->part.mesh);
+    EXPECT_NEAR(done->report.volume_mm3 / (done->report.area_mm2 * label.depth_mm), 1, 0.001);
+    EXPECT_GT(done->report.area_mm2, 40);
+    EXPECT_NEAR(done->report.least_depth_mm, 0.6, 1e-6);
+    EXPECT_TRUE(done->report.warnings.empty());
+    EXPECT_EQ(signedVolume(done->part.mesh) > signedVolume(block), embossed);
+    for (std::size_t v = 0; v < 8; ++v) EXPECT_EQ(done->part.mesh.vertices[v], block.vertices[v]);
+  }
+}
+
+TEST(Label, AHyphenHasTheAreaOfItsRectangle) {
+  // Inter Bold: a rectangle. The only shape here whose area needs no font reader.
+  const auto done = withLabel(box({0, 0, 0}, {20, 20, 8}), {.text = "-", .height_mm = 6, .point = {10, 10, 8}});
+  ASSERT_TRUE(done) << done.error().message();
+  EXPECT_NEAR(done->report.volume_mm3, done->report.width_mm * done->report.height_mm * 0.6, 1e-3);
+  EXPECT_NEAR(done->report.least_stroke_mm, done->report.height_mm, 1e-6);
+}
+
+TEST(Label, EveryCharacterCanBeCutAndPutOn) {
+  const Mesh block = box({0, 0, 0}, {10, 12, 5});
+  std::size_t tried = 0;
+  for (const std::string& character : latinCharacters())
+    for (const bool embossed : {false, true}) {
+      const auto done = withLabel(block, {.text = character, .embossed = embossed, .point = {5, 6, 5}});
+      ASSERT_TRUE(done) << character << ": " << done.error().message();
+      const MeshReport report = checkMesh(done->part.mesh);
+      EXPECT_TRUE(report.print_ready) << character << (report.reasons.empty() ? "" : report.reasons.front());
+      EXPECT_EQ(report.pieces, 1u) << character;
+      EXPECT_NEAR(done->report.volume_mm3 / (done->report.area_mm2 * 0.6), 1, 0.01) << character;
+      ++tried;
+    }
+  EXPECT_EQ(tried, 2u * (94 + 94));
+}
+
+// Material at a point of the text's plane, in mm right and up of the label's point, just above or below the face.
+bool isFilled(const Mesh& mesh, const LabelOptions& label, double x, double y) {
+  const Vec3d n = label.normal.normalized(), up = label.up.normalized(), right = up.cross(n);
+  return isInside(mesh, label.point + x * right + y * up + (label.embossed ? 0.3 : -0.3) * n);
+}
+
+TEST(Label, IsReadFromOutsideAndUprightOnEverySide) {
+  const Mesh cube = box(-6, 6);
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double side : {-1.0, 1.0})
+      for (const bool embossed : {false, true}) {
+        LabelOptions label{.text = "F", .height_mm = 5, .embossed = embossed};
+        label.normal = 2 * side * Vec3d::Unit(axis);
+        label.point = 6 * side * Vec3d::Unit(axis);
+        label.up = 3 * Vec3d::Unit((axis + 1) % 3);
+        const auto done = withLabel(cube, label);
+        ASSERT_TRUE(done) << done.error().message();
+        // F: a stem on the left, a bar at the top right, nothing at the bottom right. 1: letter.
+        const double x = done->report.width_mm / 2 - 0.4, y = done->report.height_mm / 2 - 0.4;
+        const auto isLetter = [&](double u, double v) { return isFilled(done->part.mesh, label, u, v) == embossed; };
+        EXPECT_TRUE(isLetter(-x, y) && isLetter(-x, -y) && isLetter(-x, 0) && isLetter(x, y));
+        EXPECT_FALSE(isLetter(x, -y) || isLetter(0, -y));
+      }
+}
+
+TEST(Label, LinesStandBelowEachOtherAndKeepTheirSide) {
+  const Mesh block = box({-20, -10, -4}, {20, 10, 0});
+  for (const TextAlign align : {TextAlign::kLeft, TextAlign::kCentre, TextAlign::kRight}) {
+    LabelOptions label{.text = "HHHHH\r\nI", .align = align};
+    const auto done = withLabel(block, label);
+    ASSERT_TRUE(done) << done.error().message();
+    expectPrintable(done->part.mesh);
+    EXPECT_NEAR(done->report.height_mm, 4 * 2.6, 0.01);
+    // The I in the second line.
+    const double y = -done->report.height_mm / 2 + 1, width = done->report.width_mm;
+    double low = width, high = -width;
+    for (double x = -width / 2; x < width / 2; x += 0.05)
+      if (!isFilled(done->part.mesh, label, x, y)) {
+        low = std::min(low, x);
+        high = std::max(high, x);
+      }
+    const double middle = (low + high) / 2;
+    if (align == TextAlign::kLeft) {
+      EXPECT_LT(middle, -width / 2 + 1);
+    } else if (align == TextAlign::kCentre) {
+      EXPECT_NEAR(middle, 0, 0.1);
+    } else {
+      EXPECT_GT(middle, width / 2 - 1);
+    }
+  }
+}
+
+TEST(Label, AnyFrameAndFarFromTheOriginTheSameVolume) {
+  const Mesh block = box({-20, -5, -4}, {20, 5, 0});
+  int tried = 0;
+  for (const double away : {0.0, 200.0, 1000.0})
+    for (const double angle : {0.3, 1.1, 2.7})
+      for (const bool embossed : {false, true}) {
+        const Rigid3 pose{Eigen::Quaterniond(Eigen::AngleAxisd(angle, Vec3d(0.3, -0.5, 0.8).normalized())),
+                          away * Vec3d(1, -0.7, 0.4)};
+        const Mesh solid = moved(block, pose);
+        const LabelOptions label{.text = "Größe 8&%",
+                                 .embossed = embossed,
+                                 .point = pose * Vec3d::Zero(),
+                                 .normal = pose.rotation * Vec3d::UnitZ(),
+                                 .up = pose.rotation * Vec3d::UnitY()};
+        const auto done = withLabel(solid, label);
+        ASSERT_TRUE(done) << away << " " << angle << ": " << done.error().message();
+        expectPrintable(done->part.mesh);
+        EXPECT_NEAR(done->report.volume_mm3 / (done->report.area_mm2 * 0.6), 1, 0.01) << away;
+        for (std::size_t v = 0; v < 8; ++v) EXPECT_EQ(done->part.mesh.vertices[v], solid.vertices[v]);
+        ++tried;
+      }
+  EXPECT_EQ(tried, 18);
+}
+
+TEST(Label, SameInputSameBits) {
+  const Mesh solid = ball(60, 90, 20);
+  const LabelOptions label{.text = "AB", .depth_mm = 1.5, .point = {0, 0, 20}};
+  const auto a = withLabel(solid, label), b = withLabel(solid, label);
+  ASSERT_TRUE(a && b) << a.error().message();
+  EXPECT_EQ(a->part.mesh.vertices, b->part.mesh.vertices);
+  EXPECT_EQ(a->part.mesh.triangles, b->part.mesh.triangles);
+}
+
+TEST(Label, RefusesWithNumbers) {
+  const Mesh block = box({0, 0, 0}, {30, 10, 2});
+  const LabelOptions good{.text = "Fall 17", .point = {15, 5, 2}};
+  ASSERT_TRUE(withLabel(block, good));
+  const auto refusal = [&](auto&& change) {
+    LabelOptions label = good;
+    change(label);
+    const auto done = withLabel(block, label);
+    EXPECT_FALSE(done);
+    return done ? Error{} : done.error();
+  };
+  EXPECT_EQ(refusal([](auto& l) { l.text = ""; }).code, Error::Code::kEmpty);
+  EXPECT_EQ(refusal([](auto& l) { l.text = " \n "; }).code, Error::Code::kEmpty);
+  EXPECT_EQ(refusal([](auto& l) { l.text = "a\xFF"; }).code, Error::Code::kBadFormat);
+  const Error missing = refusal([](auto& l) { l.text = "a牙b\U0001F9B7牙"; });
+  EXPECT_EQ(missing.code, Error::Code::kUnsupported);
+  EXPECT_NE(missing.message().find("牙 (U+7259), \U0001F9B7 (U+1F9B7);"), std::string::npos) << missing.message();
+  EXPECT_NE(refusal([](auto& l) { l.text = "Gro\xCC\x88"; }).hint.find("NFC"), std::string::npos);
+  EXPECT_NE(refusal([](auto& l) { l.text = "a\tb"; }).found.find("U+0009"), std::string::npos);
+  EXPECT_EQ(refusal([](auto& l) { l.font = "/nowhere/Inter.otf"; }).code, Error::Code::kNotFound);
+  EXPECT_EQ(refusal([](auto& l) { l.font = "/etc/passwd"; }).code, Error::Code::kUnreadable);
+  EXPECT_EQ(refusal([](auto& l) { l.up = l.normal; }).code, Error::Code::kBadValue);
+  EXPECT_EQ(refusal([](auto& l) { l.height_mm = NAN; }).code, Error::Code::kBadValue);
+  EXPECT_EQ(refusal([](auto& l) { l.depth_mm = 0; }).code, Error::Code::kBadValue);
+  EXPECT_EQ(refusal([](auto& l) { l.bend_radius_mm = 3; }).code, Error::Code::kBadValue);
+  EXPECT_NE(refusal([](auto& l) { l.height_mm = 9; }).found.find("reaches beyond the face"), std::string::npos);
+  EXPECT_NE(refusal([](auto& l) { l.point.z() = 9; }).found.find("reaches beyond the face"), std::string::npos);
+  EXPECT_NE(refusal([](auto& l) { l.depth_mm = 1.2; }).found.find("a wall of 0.80 mm"), std::string::npos);
+  EXPECT_NE(refusal([](auto& l) { l.depth_mm = 3; }).found.find("break through a wall of 2.00 mm"), std::string::npos);
+  // A surface that is too round.
+  const auto round = withLabel(ball(60, 90, 20), {.text = "Fall", .point = {0, 0, 20}});
+  ASSERT_FALSE(round);
+  EXPECT_NE(round.error().found.find("varies by"), std::string::npos) << round.error().message();
+  // A lip in front.
+  Mesh lipped = both(box({0, 0, 0}, {30, 10, 5}), box({10, 2, 5.3}, {12, 6, 9}));
+  const auto hidden = withLabel(lipped, good);
+  ASSERT_FALSE(hidden);
+  // Cancelled.
+  const auto cancelled = withLabel(block, good, [](double, std::string_view) { return false; });
+  ASSERT_FALSE(cancelled);
+  EXPECT_EQ(cancelled.error().code, Error::Code::kCancelled);
+}
+
+TEST(Label, WarnsOfThinStrokesAndShallowLetters) {
+  const Mesh block = box({0, 0, 0}, {30, 10, 5});
+  const auto small = withLabel(block, {.text = "Fall", .height_mm = 2, .depth_mm = 0.2, .point = {15, 5, 5}});
+  ASSERT_TRUE(small) << small.error().message();
+  EXPECT_EQ(small->report.warnings.size(), 2u);
+  const auto large = withLabel(block, {.text = "Fall", .height_mm = 4, .point = {15, 5, 5}});
+  ASSERT_TRUE(large);
+  EXPECT_TRUE(large->report.warnings.empty());
+  EXPECT_NEAR(large->report.least_stroke_mm, 2 * small->report.least_stroke_mm, 0.01);
+  EXPECT_GT(large->report.least_stroke_mm, 0.4);
+  EXPECT_LT(large->report.least_stroke_mm, 0.9);
+}
+
+// ---- Shapes
+
+using internal::Contour, internal::united;
+
+Contour square(double x, double y, double side, bool clockwise = false) {
+  Contour out{{x, y}, {x + side, y}, {x + side, y + side}, {x, y + side}};
+  if (clockwise) std::reverse(out.begin(), out.end());
+  return out;
+}
+
+TEST(FlatShape, OverlapsCountOnceAndTurnedContoursAreHoles) {
+  const auto overlapping = united({square(0, 0, 2), square(1, 1, 2)});
+  ASSERT_TRUE(overlapping);
+  EXPECT_NEAR(overlapping->area(), 7, 1e-9);
+  const auto hole = united({square(0, 0, 3), square(1, 1, 1, true)});
+  ASSERT_TRUE(hole);
+  EXPECT_NEAR(hole->area(), 8, 1e-9);
+  EXPECT_NEAR(hole->leastStroke(9), 1, 1e-9);
+  const auto twice = united({square(0, 0, 3), square(0, 0, 3)});
+  ASSERT_TRUE(twice);
+  EXPECT_NEAR(twice->area(), 9, 1e-9);
+  // Clockwise fonts: TrueType.
+  const auto turned = united({square(0, 0, 3, true), square(1, 1, 1)});
+  ASSERT_TRUE(turned);
+  EXPECT_NEAR(turned->area(), 8, 1e-9);
+  EXPECT_FALSE(united({{{0, 0}, {1, 1}, {2, 2}}}));
+}
+
+TEST(FlatShape, PartsThatTouchInAPointAreJoined) {
+  for (const bool clockwise : {false, true}) {
+    // Two squares corner to corner; a hole that touches the border; four squares around a point.
+    const std::vector<std::vector<Contour>> cases{
+        {square(0, 0, 1, clockwise), square(1, 1, 1, clockwise)},
+        {square(0, 0, 3, clockwise), {{0, 1.5}, {1, clockwise ? 1.0 : 2.0}, {1, clockwise ? 2.0 : 1.0}}},
+        {square(0, 0, 1, clockwise), square(1, 1, 1, clockwise), square(-1, 1, 1, clockwise),
+         square(0, 2, 1, clockwise)}};
+    for (const auto& contours : cases) {
+      const auto shape = united(contours);
+      ASSERT_TRUE(shape);
+      std::vector<int> leaving(shape->points.size(), 0);
+      for (const auto& edge : shape->border()) ++leaving[edge[0]];
+      EXPECT_EQ(*std::max_element(leaving.begin(), leaving.end()), 1);
+    }
+    EXPECT_NEAR(united(cases[0])->area(), 2, 0.002);
+    EXPECT_NEAR(united(cases[1])->area(), 8.5, 0.002);
+  }
+}
+
+TEST(FlatShape, ColumnsLimitTheWidthOfTriangles) {
+  const auto shape = united({square(0, 0, 10)}, 1);
+  ASSERT_TRUE(shape);
+  EXPECT_NEAR(shape->area(), 100, 1e-5);
+  for (const Triangle& t : shape->triangles)
+    for (int k = 0; k < 3; ++k) EXPECT_LT(std::abs(shape->points[t[k]].x() - shape->points[t[(k + 1) % 3]].x()), 1.01);
+}
+
+// ---- Placeholders
+
+TEST(Label, PlaceholdersAreReplacedAndUnknownOnesRefused) {
+  const std::map<std::string, std::string> values{{"case", "17 {x}"}, {"tooth", "36"}};
+  EXPECT_EQ(withPlaceholders("{case} {tooth}{tooth}", values).value(), "17 {x} 3636");
+  EXPECT_EQ(withPlaceholders("{{a}}", values).value(), "{a}");
+  EXPECT_EQ(withPlaceholders("", values).value(), "");
+  const auto unknown = withPlaceholders("a {date}", values);
+  ASSERT_FALSE(unknown);
+  EXPECT_NE(unknown.error().message().find("one of {case}, {tooth}"), std::string::npos) << unknown.error().message();
+  EXPECT_FALSE(withPlaceholders("{case", values));
+  EXPECT_FALSE(withPlaceholders("case}", values));
+  EXPECT_FALSE(withPlaceholders("{}", values));
+}
+
+}  // namespace
+}  // namespace kerf::label_test
