@@ -12,6 +12,7 @@
 #include "geometry/boolean/post_op_mesh.h"
 #include "geometry/case/case_bundle.h"
 #include "geometry/case/case_materials.h"
+#include "sim/pieces/pieces.h"
 #include "sim/run/files/removed_volumes.h"
 #include "sim/run/files/run_files.h"
 
@@ -91,6 +92,23 @@ internal::VolumeByNumber removedInRegion(const BrickField& fine0, const BrickFie
   });
 }
 
+// Pieces of a cut that no session divided, the largest first; none unless the cut made pieces.
+std::vector<RunManifest::Piece> piecesFound(const BrickField& phi0, const BrickField& cut) {
+  PieceFinder finder(phi0);
+  const std::size_t before = finder.find().pieces.size();
+  std::vector<BrickEdit> edits(cut.brickCount());
+  for (std::size_t b = 0; b < edits.size(); ++b) edits[b] = {cut.brickCoord(b), cut.brick(b)};
+  finder.apply(edits);
+  const PieceList& found = finder.find();
+  if (found.pieces.size() <= before) return {};
+  std::vector<RunManifest::Piece> out;
+  for (const Piece& piece : found.pieces)
+    out.push_back({.name = fmt::format("piece {}", out.size() + 1),
+                   .inside = phi0.position(piece.first_node),
+                   .volume_mm3 = piece.volume});
+  return out;
+}
+
 Expected<void> addCut(const fs::path& run_folder, const fs::path& case_folder, std::size_t beside, Labelled& out) {
   KERF_TRY(run, readRunManifest(run_folder));
   KERF_TRY(cut, readRunCutField(run_folder, beside));
@@ -108,6 +126,7 @@ Expected<void> addCut(const fs::path& run_folder, const fs::path& case_folder, s
     KERF_CHECK(requireOnlyTaken(run_folder, run, cut, fine0, beside));
     out.removed = removedInRegion(fine0, cut, in_case, out.fallback);
     out.cut = resampled(cut, fine0, out.phi0);
+    if (out.pieces.empty()) out.pieces = piecesFound(out.phi0, out.cut);
     out.fine_mm = cut.voxel();
     return {};
   }
@@ -119,6 +138,7 @@ Expected<void> addCut(const fs::path& run_folder, const fs::path& case_folder, s
                  .hint = "cut again"});
   KERF_CHECK(requireOnlyTaken(run_folder, run, cut, out.phi0, beside));
   out.cut = internal::withoutPlaneFaces(std::move(cut), out.phi0, out.pieces);
+  if (out.pieces.empty()) out.pieces = piecesFound(out.phi0, out.cut);
   out.removed = internal::removedVolumes(out.phi0, out.cut, internal::materialsOf(in_case, out.fallback),
                                          internal::materialsOf(out.labels, out.fallback));
   return {};

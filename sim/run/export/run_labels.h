@@ -27,9 +27,9 @@ struct RunLabels {
     std::uint64_t voxels = 0;
     double voxels_mm3 = 0, ledger_mm3 = 0;
   };
-  std::vector<Volume> tissues;     ///< left in the object, all pieces together
-  std::optional<Volume> removed;   ///< none: of a case
-  std::vector<Volume> pieces;      ///< of a session with several pieces, in its order
+  std::vector<Volume> tissues;    ///< left in the object, all pieces together
+  std::optional<Volume> removed;  ///< none: of a case
+  std::vector<Volume> pieces;  ///< of a session with several, in its order; else of a cut that divided, largest first
   std::uint64_t loose_voxels = 0;  ///< connected to no piece: crumbs
   bool has_moved = false;          ///< some piece was moved: its voxels are at its place in the scan
   double fine_mm = 0;              ///< voxel size of the region in which the run cut, resampled here; 0: none
