@@ -15,7 +15,6 @@
 #include "geometry/tool/head_shape.h"
 #include "geometry/tool/tool_doubt.h"
 #include "geometry/tool/tool_file.h"
-#include "geometry/tool/tool_kinds.h"
 #include "geometry/tool/tool_template.h"
 
 namespace kerf {

@@ -14,6 +14,8 @@ namespace kerf {
 /// Reads one tool. Unknown keys, missing keys, values out of range, an ISO 6360 code that disagrees with the diameter:
 /// errors with file, line, key, found and expected value (and the nearest known key).
 Expected<Tool> readTool(const std::filesystem::path& file);
+/// readTool() of a text that is in no file yet.   @param file  its future place: its name is the tool's id.
+Expected<Tool> readToolText(const std::string& toml, const std::filesystem::path& file);
 
 struct ToolListing {
   std::filesystem::path file;

@@ -13,9 +13,6 @@ void readMeshTool(TomlTable& top, const std::filesystem::path& folder, Tool& too
 /// The table [drive], if there is one; the tool's kind and motion have been read.
 Expected<void> readDrive(const TomlTable& top, const std::filesystem::path& file, Tool& tool);
 
-/// readTool() of a text that is in no file yet.   @param file  its future place: its name is the tool's id.
-Expected<Tool> readToolText(const std::string& toml, const std::filesystem::path& file);
-
 /// Allows all keys of the kind, for a file that does not state which of them apply.
 void allowBurKeys(TomlTable& top);
 void allowBladeKeys(TomlTable& top);
