@@ -266,6 +266,7 @@ TEST(TissueByName, TheMoreSpecialWordCounts) {
   EXPECT_EQ(tissueByName("MANDIBLE"), Material::kCortical);
   EXPECT_EQ(tissueByName("root canal"), Material::kPulp);
   EXPECT_EQ(tissueByName("Right maxillary sinus"), std::nullopt);
+  EXPECT_EQ(tissueByName("removed"), std::nullopt);
   EXPECT_EQ(tissueByName("lower first molar"), Material::kDentin);
   EXPECT_EQ(tissueByName("Segment_1"), Material::kGeneric);
   EXPECT_EQ(tissueByName(""), Material::kGeneric);
