@@ -15,6 +15,10 @@ set_target_properties(kerf_library PROPERTIES EXPORT_NAME kerf)
 foreach(program kerf kerf-sim kerf-bridge-haply kerf-bridge-simulated kerf-bridge-woody)
   if(TARGET ${program})
     install(TARGETS ${program} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} OPTIONAL)  # those that were built
+    set(page ${CMAKE_SOURCE_DIR}/bridges/manual/${program}.1)  # kerf and kerf-sim write their own
+    if(EXISTS ${page})
+      install(FILES ${page} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+    endif()
   endif()
 endforeach()
 install(DIRECTORY ${CMAKE_SOURCE_DIR}/assets/ DESTINATION ${CMAKE_INSTALL_DATADIR}/kerf PATTERN desktop EXCLUDE)
