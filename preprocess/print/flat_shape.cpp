@@ -29,7 +29,7 @@ struct Triangulated {
   std::vector<std::pair<Point2d, int>> pinches;  // points where parts touch, with the winding number beside them
 };
 
-std::optional<Triangulated> triangulated(const std::vector<Contour>& contours, double column_mm) {
+std::optional<Triangulated> triangulated(const std::vector<Contour>& contours, double square_mm) {
   std::vector<Segment> segments;
   Point2d low = contours[0][0], high = low;
   for (const Contour& contour : contours)
@@ -40,13 +40,16 @@ std::optional<Triangulated> triangulated(const std::vector<Contour>& contours, d
       high = high.cwiseMax(p);
     }
   const std::size_t outlines = segments.size();
-  if (column_mm > 0) {
-    const int columns = static_cast<int>(std::ceil((high.x() - low.x()) / column_mm));
-    for (int n = 1; n < columns; ++n) {
-      const double x = roundedToFloat(low.x() + n * (high.x() - low.x()) / columns);
-      segments.push_back({{x, roundedToFloat(low.y() - 0.1)}, {x, roundedToFloat(high.y() + 0.1)}});
+  if (square_mm > 0)
+    for (const int axis : {0, 1}) {
+      const int count = static_cast<int>(std::ceil((high - low)[axis] / square_mm));
+      for (int n = 1; n < count; ++n) {
+        Point2d from = low.array() - 0.1, to = high.array() + 0.1;
+        from[axis] = to[axis] = low[axis] + n * (high - low)[axis] / count;
+        segments.push_back(
+            {{roundedToFloat(from.x()), roundedToFloat(from.y())}, {roundedToFloat(to.x()), roundedToFloat(to.y())}});
+      }
     }
-  }
 
   Cdt cdt;
   const Progress none;
@@ -110,19 +113,24 @@ Point2d FlatShape::high() const {
   return out;
 }
 
-double FlatShape::leastStroke(double none_mm) const {
-  constexpr double kOpposite = -0.95;  // cosine between the directions of the edges: a corner or a join is no stroke
+double FlatShape::leastStroke(double most_mm) const {
+  constexpr double kOpposite = -0.95;  // cosine between the directions of the edges: else it is a corner
   constexpr double kStep = 0.1;        // mm, between the places tried on an edge
+  struct Place {
+    double width;
+    Point2d at;
+    double length;  // mm of border that it stands for
+  };
+  std::vector<Place> places;
   const auto edges = border();
-  double least = none_mm;
   for (const auto& [from, to] : edges) {
     const Point2d p = points[from], along = points[to] - p;
     const double length = along.norm();
     const Point2d inwards = Point2d(-along.y(), along.x()) / length;
-    const int places = std::max(1, static_cast<int>(length / kStep));
-    for (int n = 0; n < places; ++n) {
-      const Point2d at = p + (n + 0.5) / places * along;
-      double nearest = least;
+    const int steps = std::max(1, static_cast<int>(length / kStep));
+    for (int n = 0; n < steps; ++n) {
+      const Point2d at = p + (n + 0.5) / steps * along;
+      double nearest = most_mm;
       bool is_stroke = false;
       for (const auto& [a, b] : edges) {
         const Point2d from_here = points[a] - at, edge = points[b] - points[a];
@@ -135,18 +143,32 @@ double FlatShape::leastStroke(double none_mm) const {
         nearest = way;
         is_stroke = along.dot(edge) < kOpposite * length * edge.norm();
       }
-      if (is_stroke) least = nearest;
+      if (is_stroke) places.push_back({nearest, at, length / steps});
     }
   }
-  return least;
+
+  // A join of two strokes is narrow in one place: a stroke is as long as wide, on both sides.
+  std::stable_sort(places.begin(), places.end(), [](const Place& a, const Place& b) { return a.width < b.width; });
+  for (const Place& place : places) {
+    constexpr double kAlike = 1.1;
+    double length = 0;
+    for (const Place& other : places) {
+      if (other.width > kAlike * place.width) break;
+      if ((other.at - place.at).norm() < 1.2 * place.width) length += other.length;
+    }
+    if (length >= 2 * place.width) return place.width;
+  }
+  return most_mm;
 }
 
-Expected<FlatShape> united(const std::vector<Contour>& given, double column_mm) {
+Expected<FlatShape> united(const std::vector<Contour>& given, double square_mm) {
   constexpr int kRounds = 6;
   std::vector<Contour> contours = given;
+  for (Contour& contour : contours)
+    for (Point2d& p : contour) p = {roundedToFloat(p.x()), roundedToFloat(p.y())};  // as arrange() wants them
   try {
     for (int round = 0; round < kRounds; ++round) {
-      auto now = triangulated(contours, column_mm);
+      auto now = triangulated(contours, square_mm);
       if (!now || now->shape.triangles.empty()) return fail(notTriangulated());
       if (now->pinches.empty()) return std::move(now->shape);
       for (const auto& [p, winding] : now->pinches) {

@@ -18,14 +18,15 @@ struct FlatShape {
   std::vector<std::array<std::uint32_t, 2>> border() const;
   double area() const;  ///< mm^2
   Point2d low() const, high() const;
-  /// The narrowest place between two opposite edges, mm; `none_mm` if there is no narrower place. Corners are none.
-  double leastStroke(double none_mm) const;
+  /// Width of the narrowest stroke, mm: between opposite edges over a length of its width, so corners and joins are
+  /// none. At most `most_mm`.
+  double leastStroke(double most_mm) const;
 };
 
 /// Places where the polygons wind around a point other than 0 times. Where parts of it touch in a point, a square of
 /// 0.06 mm joins them. The constrained triangulation and its rounds are those of preprocess/close/plane_arrangement.h.
-/// @param column_mm  if not 0, no triangle is wider: for a shape that is bent afterwards.
+/// @param square_mm  if not 0, no triangle is wider or higher: for a shape that is bent afterwards.
 /// Errors: kGeometry.   @cost  5 ms for 20 letters.   @thread any; deterministic.
-Expected<FlatShape> united(const std::vector<Contour>& contours, double column_mm = 0);
+Expected<FlatShape> united(const std::vector<Contour>& contours, double square_mm = 0);
 
 }  // namespace kerf::internal

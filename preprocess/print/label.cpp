@@ -16,7 +16,7 @@ namespace {
 
 using internal::FlatShape, internal::LabelFrame, internal::Point2d;
 
-constexpr double kWidestColumn = 1;      // mm, of a bent text
+constexpr double kFinest = 1;            // mm: squares of letters that follow a surface
 constexpr double kCleanupLength = 1e-3;  // mm, as of a plane cut
 constexpr double kThinStroke = 0.5, kShallow = 0.3;
 
@@ -46,11 +46,12 @@ Expected<LabelFrame> frameOf(const LabelOptions& label) {
   return frame;
 }
 
-// The letters from z = low to z = high, closed.
-Mesh prismOf(const FlatShape& shape, const LabelFrame& frame, const Point2d& shift, double low, double high) {
+// The letters, closed.
+Mesh prismOf(const FlatShape& shape, const LabelFrame& frame, const internal::LabelSpan& span, const Point2d& shift) {
   Mesh out;
-  for (const double z : {low, high})
-    for (const Point2d& p : shape.points) out.vertices.push_back(frame.at(p.x() + shift.x(), p.y() + shift.y(), z));
+  for (const double z : {span.low, span.high})
+    for (const Point2d& p : shape.points)
+      out.vertices.push_back(frame.at(p.x() + shift.x(), p.y() + shift.y(), z + span.ground.at(p)));
   const auto top = static_cast<std::uint32_t>(shape.points.size());
   for (const Triangle& t : shape.triangles) {
     out.triangles.push_back({t[0], t[2], t[1]});
@@ -72,7 +73,7 @@ Expected<Labelled> withLabel(const Mesh& solid, const LabelOptions& label, const
   KERF_TRY(frame, frameOf(label));
   if (!report(progress, 0, "outlines")) return cancelled();
   KERF_TRY(outlines, internal::glyphOutlines(label.text, label.height_mm, label.align, label.font));
-  KERF_TRY(shape, internal::united(outlines, label.bend_radius_mm != 0 ? kWidestColumn : 0));
+  KERF_TRY(shape, internal::united(outlines));
 
   Labelled out;
   LabelReport& numbers = out.report;
@@ -80,7 +81,7 @@ Expected<Labelled> withLabel(const Mesh& solid, const LabelOptions& label, const
   numbers.width_mm = high.x() - low.x();
   numbers.height_mm = high.y() - low.y();
   numbers.area_mm2 = shape.area();
-  numbers.least_stroke_mm = shape.leastStroke(numbers.height_mm);
+  numbers.least_stroke_mm = shape.leastStroke(label.height_mm);
   if (label.bend_radius_mm != 0 &&
       !(std::abs(label.bend_radius_mm) > std::max(2.0 + label.depth_mm, numbers.width_mm / 3)))
     return fail({.code = Error::Code::kBadValue,
@@ -92,6 +93,10 @@ Expected<Labelled> withLabel(const Mesh& solid, const LabelOptions& label, const
   if (!report(progress, 0.1, "measuring the face")) return cancelled();
   const internal::FaceHeights face = internal::faceHeights(solid, frame, low, high, internal::kLabelDeep);
   KERF_TRY(span, internal::spanOn(face, label, numbers));
+  if (frame.radius_mm != 0 || !span.ground.z.empty()) {
+    KERF_TRY(fine, internal::united(outlines, kFinest));
+    shape = std::move(fine);
+  }
   if (numbers.least_stroke_mm < kThinStroke)
     numbers.warnings.push_back(
         fmt::format("The narrowest stroke is {:.2f} mm. Below {} mm letters may not print: make "
@@ -110,8 +115,9 @@ Expected<Labelled> withLabel(const Mesh& solid, const LabelOptions& label, const
   for (int n = 0; n < kAttempts; ++n) {
     if (!report(progress, 0.2 + 0.8 * n / kAttempts, "cutting the letters")) return cancelled();
     const double by = n * kShift;
-    const Mesh letters = prismOf(shape, frame, Point2d(3 * by, 2 * by), span.low - (label.embossed ? by : 0),
-                                 span.high + (label.embossed ? 0 : by));
+    internal::LabelSpan reach = span;
+    (label.embossed ? reach.low : reach.high) += label.embossed ? -by : by;
+    const Mesh letters = prismOf(shape, frame, reach, {3 * by, 2 * by});
     auto cut = label.embossed ? unite(solid, letters) : subtract(solid, letters);
     if (!cut) {
       last = cut.error();

@@ -35,11 +35,10 @@ struct LabelOptions {
 };
 
 struct LabelReport {
-  double width_mm = 0, height_mm = 0;  ///< of the rectangle around all lines
-  double area_mm2 = 0;                 ///< of the letters
-  double least_stroke_mm = 0;          ///< the narrowest stroke
-  double unevenness_mm =
-      0;  ///< of the surface over the rectangle, from a plane or the cylinder; at most 40 % of the depth
+  double width_mm = 0, height_mm = 0;            ///< of the rectangle around all lines
+  double area_mm2 = 0;                           ///< of the letters
+  double least_stroke_mm = 0;                    ///< the narrowest stroke
+  double unevenness_mm = 0;                      ///< of the surface over the rectangle, from the plane or the cylinder
   double least_depth_mm = 0, most_depth_mm = 0;  ///< below or above the surface
   std::optional<double> wall_mm{};               ///< engraved: left behind the letters, if less than 10 mm
   double volume_mm3 = 0;                         ///< removed or added
@@ -53,13 +52,14 @@ struct Labelled {
 };
 
 /// The solid with the text cut into it, or put on. Read from outside, upright for `up`. The letters' floor (embossed:
-/// their top) is parallel to the plane or cylinder of the label, so the depth varies by the unevenness of the surface:
-/// from 60 to 100 % of depth_mm. Outlines: see internal::glyphOutlines() and internal::united(). The exact boolean and
-/// the guarantees of postOperativeMesh(): uncut vertices stay bit for bit.
+/// their top) is parallel to the plane or cylinder of the label; where the surface is less even than a tenth of the
+/// depth, to the surface smoothed over 1.4 mm. So the depth is 60 to 100 % of depth_mm everywhere. Outlines: see
+/// internal::glyphOutlines() and internal::united(). The exact boolean and the guarantees of postOperativeMesh(): uncut
+/// vertices stay bit for bit.
 /// @pre solid: as in postOperativeMesh().
 /// Errors: kBadValue: numbers out of range, or `up` along the normal; those of the text and the font; kGeometry, each
-/// with numbers: the text reaches beyond the face, the surface is too uneven, the wall behind is too thin, another
-/// surface is close in front, or no printable mesh in 8 attempts with shifts of 0.13 um; kCancelled.
+/// with numbers: the text reaches beyond the face, the surface is too steep or rough, the wall behind is too thin,
+/// another surface is close in front, or no printable mesh in 8 attempts with shifts of 0.13 um; kCancelled.
 /// @cost  0.2 s for 20 letters on 300k triangles.   @thread any; deterministic.
 Expected<Labelled> withLabel(const Mesh& solid, const LabelOptions& label, const Progress& progress = {});
 

@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
 #include <vector>
 
 #include "geometry/mesh/box_tree.h"
@@ -14,6 +17,9 @@ namespace {
 constexpr double kBeyond = 0.5;      // mm: how far the letters' solid passes the surface
 constexpr double kLeastShare = 0.6;  // of the depth, everywhere
 constexpr double kRoom = 0.1;        // mm, in front of the letters' solid
+constexpr double kEven = 0.1;        // of the depth: letters on a face so even have a flat floor
+constexpr double kSteepest = 0.577;  // 30 degrees: letters seen along the normal would smear on a steeper face
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
@@ -34,6 +40,40 @@ Vec3d LabelFrame::normalAt(double x) const {
 Vec3d LabelFrame::at(double x, double y, double z) const {
   if (radius_mm == 0) return point + x * right + y * up + z * normal;
   return point + (radius_mm + z) * normalAt(x) - radius_mm * normal + y * up;
+}
+
+double HeightGrid::at(const Point2d& p) const {
+  if (z.empty()) return 0;
+  const double u = std::clamp((p.x() - low.x()) / (high.x() - low.x()), 0.0, 1.0) * (columns - 1);
+  const double v = std::clamp((p.y() - low.y()) / (high.y() - low.y()), 0.0, 1.0) * (rows - 1);
+  const int c = std::min(static_cast<int>(u), columns - 2), r = std::min(static_cast<int>(v), rows - 2);
+  const double x = u - c, y = v - r;
+  return (1 - x) * ((1 - y) * knot(c, r) + y * knot(c, r + 1)) +
+         x * ((1 - y) * knot(c + 1, r) + y * knot(c + 1, r + 1));
+}
+
+HeightGrid HeightGrid::smoothed() const {
+  constexpr int kAround = 3;  // knots each way
+  HeightGrid out = *this;
+  for (int c = 0; c < columns; ++c)
+    for (int r = 0; r < rows; ++r) {
+      // The same number on both sides, so that a slope stays one at the border.
+      const int a = std::min({kAround, c, columns - 1 - c}), b = std::min({kAround, r, rows - 1 - r});
+      double sum = 0;
+      for (int x = c - a; x <= c + a; ++x)
+        for (int y = r - b; y <= r + b; ++y) sum += knot(x, y);
+      out.knot(c, r) = sum / ((2 * a + 1) * (2 * b + 1));
+    }
+  return out;
+}
+
+double HeightGrid::steepest() const {
+  const double dx = (high.x() - low.x()) / (columns - 1), dy = (high.y() - low.y()) / (rows - 1);
+  double out = 0;
+  for (int c = 0; c + 1 < columns; ++c)
+    for (int r = 0; r + 1 < rows; ++r)
+      out = std::max(out, std::hypot((knot(c + 1, r) - knot(c, r)) / dx, (knot(c, r + 1) - knot(c, r)) / dy));
+  return out;
 }
 
 FaceHeights faceHeights(const Mesh& solid, const LabelFrame& frame, const Point2d& low, const Point2d& high,
@@ -66,6 +106,10 @@ FaceHeights faceHeights(const Mesh& solid, const LabelFrame& frame, const Point2
     bool is_front;
   };
   FaceHeights out;
+  out.surface = {low, high, columns, rows, {}};
+  out.surface.z.assign(static_cast<std::size_t>(columns * rows), 0);
+  out.back.assign(out.surface.z.size(), -kInfinite);
+  out.front.assign(out.surface.z.size(), kInfinite);
   std::vector<Hit> hits;
   for (int c = 0; c < columns; ++c)
     for (int r = 0; r < rows; ++r) {
@@ -95,7 +139,6 @@ FaceHeights faceHeights(const Mesh& solid, const LabelFrame& frame, const Point2
                    return true;
                  });
 
-      ++out.samples;
       const Hit* surface = nullptr;
       for (const Hit& hit : hits)
         if (hit.is_front && std::abs(hit.z) <= FaceHeights::kReach &&
@@ -105,42 +148,65 @@ FaceHeights faceHeights(const Mesh& solid, const LabelFrame& frame, const Point2
         ++out.missing;
         continue;
       }
-      out.low = std::min(out.low, surface->z);
-      out.high = std::max(out.high, surface->z);
+      out.surface.knot(c, r) = surface->z;
       constexpr double kSame = 1e-6;  // mm
+      const auto n = static_cast<std::size_t>(c * rows + r);
       for (const Hit& hit : hits) {
-        if (hit.z > surface->z + kSame) out.front = std::min(out.front, hit.z);
-        if (!hit.is_front && hit.z < surface->z - kSame) out.back = std::max(out.back, hit.z);
+        if (hit.z > surface->z + kSame) out.front[n] = std::min(out.front[n], hit.z);
+        if (!hit.is_front && hit.z < surface->z - kSame) out.back[n] = std::max(out.back[n], hit.z);
       }
     }
   return out;
 }
 
 Expected<LabelSpan> spanOn(const FaceHeights& face, const LabelOptions& label, LabelReport& report) {
+  const std::vector<double>& surface = face.surface.z;
   if (face.missing > 0)
     return fail(
         labelError(fmt::format("a text of {:.1f} x {:.1f} mm that reaches beyond the face: {} of {} places are "
                                "without surface within {} mm",
-                               report.width_mm, report.height_mm, face.missing, face.samples, FaceHeights::kReach),
+                               report.width_mm, report.height_mm, face.missing, surface.size(), FaceHeights::kReach),
                    "a face under the whole text", "a smaller text, more lines, another point, or a bend radius"));
-  report.unevenness_mm = face.high - face.low;
-  report.most_depth_mm = label.depth_mm;
-  report.least_depth_mm = label.depth_mm - report.unevenness_mm;
-  if (report.least_depth_mm < kLeastShare * label.depth_mm)
-    return fail(labelError(fmt::format("a surface that varies by {:.2f} mm under a text of {:.1f} x {:.1f} mm",
-                                       report.unevenness_mm, report.width_mm, report.height_mm),
-                           fmt::format("at most {:.2f} mm, 40 % of the depth", (1 - kLeastShare) * label.depth_mm),
-                           "a flatter place, a smaller or deeper text, or a bend radius"));
+  const auto [lowest, highest] = std::minmax_element(surface.begin(), surface.end());
+  report.unevenness_mm = *highest - *lowest;
 
   LabelSpan out;
+  double slope = 0;
+  if (report.unevenness_mm > kEven * label.depth_mm) {
+    out.ground = face.surface.smoothed();
+    slope = out.ground.steepest();
+    if (slope > kSteepest)
+      return fail(labelError(
+          fmt::format("a surface that slopes by up to {:.0f} degrees under a text of {:.1f} x {:.1f} mm",
+                      std::atan(slope) * 180 / std::numbers::pi, report.width_mm, report.height_mm),
+          "at most 30 degrees from the label's normal", "a flatter place, a smaller text, or a bend radius"));
+  }
+  double low = kInfinite, high = -kInfinite, back = -kInfinite, front = kInfinite;
+  for (std::size_t n = 0; n < surface.size(); ++n) {
+    const double ground = out.ground.z.empty() ? 0 : out.ground.z[n];
+    low = std::min(low, surface[n] - ground);
+    high = std::max(high, surface[n] - ground);
+    back = std::max(back, face.back[n] - ground);
+    front = std::min(front, face.front[n] - ground);
+  }
+  // On a slope the depth counts across the surface.
+  const double across = 1 / std::hypot(1, slope);
+  report.most_depth_mm = label.depth_mm;
+  report.least_depth_mm = (label.depth_mm - (high - low)) * across;
+  if (report.least_depth_mm < kLeastShare * label.depth_mm)
+    return fail(labelError(fmt::format("a surface too rough for letters {} mm {}: they would have {:.2f} mm in places",
+                                       label.depth_mm, label.embossed ? "high" : "deep", report.least_depth_mm),
+                           fmt::format("at least {:.2f} mm, 60 % of the depth", kLeastShare * label.depth_mm),
+                           "a smoother place, or a deeper text"));
+
   if (label.embossed) {
-    out.high = face.low + label.depth_mm;
-    out.low = face.low - std::min(kBeyond, (face.low - face.back) / 2);
+    out.high = low + label.depth_mm;
+    out.low = low - std::min(kBeyond, (low - back) / 2);
   } else {
-    out.low = face.high - label.depth_mm;
-    out.high = face.high + kBeyond;
-    const double wall = out.low - face.back;
-    if (wall < kLabelDeep - label.depth_mm) report.wall_mm = wall;
+    out.low = high - label.depth_mm;
+    out.high = high + kBeyond;
+    const double wall = (out.low - back) * across;
+    if (wall < kLabelDeep / 2) report.wall_mm = wall;
     if (wall < label.least_wall_mm)
       return fail(labelError(
           wall > 0 ? fmt::format("a wall of {:.2f} mm left behind letters {} mm deep", wall, label.depth_mm)
@@ -148,9 +214,9 @@ Expected<LabelSpan> spanOn(const FaceHeights& face, const LabelOptions& label, L
                                  wall + label.depth_mm),
           fmt::format("at least {} mm", label.least_wall_mm), "a shallower or embossed label, or another place"));
   }
-  if (face.front < out.high + kRoom)
-    return fail(labelError(fmt::format("another surface {:.2f} mm in front of the face", face.front - face.low),
-                           fmt::format("{:.2f} mm of room", out.high + kRoom - face.low), "another place"));
+  if (front < out.high + kRoom)
+    return fail(labelError(fmt::format("another surface {:.2f} mm in front of the face", front - low),
+                           fmt::format("{:.2f} mm of room", out.high + kRoom - low), "another place"));
   return out;
 }
 
