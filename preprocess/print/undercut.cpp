@@ -20,7 +20,7 @@ using Vec2d = Eigen::Vector2d;
 
 constexpr float kNothing = -std::numeric_limits<float>::infinity();
 constexpr double kTouch = 1e-4;    // mm: material less far above a place is the place itself
-constexpr double kOnEdge = 1e-10;  // mm^2: a point on a common edge belongs to both triangles, whatever the rounding
+constexpr double kOnEdge = 1e-10;  // mm^2: rounding leaves no gap along a common edge
 constexpr double kExact = 0.001;   // mm: of depths
 
 Expected<void> check(const Vec3d& axis, const UndercutOptions& options) {
