@@ -149,6 +149,18 @@ TEST(Pockets, HoleAsWideAsPromisedNeverCloses) {
     }
 }
 
+TEST(Pockets, WallAsThickAsAVoxelNeverLeaks) {
+  const Mesh solid = both(ball(64, 128, 9), flipped(ball(64, 128, 8.38)));
+  for (const Eigen::Matrix3d& turn : turns())
+    for (int n = 0; n < 4; ++n) {
+      PocketOptions options = onSupports(turn.col(0));
+      options.voxel_mm = 0.6;
+      const Pocket p =
+          onlyPocket(pocketsOf(turned(solid, turn, Vec3d(0.31, 0.23, 0.17) * n), options), PocketKind::kSealed);
+      EXPECT_NEAR(p.volume_mm3, 4 * M_PI / 3 * std::pow(8.38, 3), 0.01 * 2465);
+    }
+}
+
 // The layers one by one: a cell of air is trapped if it has no way out through the layers up to its own.
 double trappedByLayers(const std::vector<char>& solid, int n, bool is_from_below, bool wants_sealed) {
   const auto at = [n](int x, int y, int z) { return static_cast<std::size_t>((z * n + y) * n + x); };
