@@ -59,7 +59,7 @@ struct Pockets {
 ///
 /// Volumes: sums over columns, exact in height. Measured on bowls, balls and bottles: within 0.4 % where the pocket is
 /// 70 voxels wide, 1 % at 50. The spill height is too low or too high by up to a voxel times the slope of the rim.
-/// @param solid  closed, outward; its parts may overlap.
+/// @param solid  closed, outward; its parts may overlap. An opening narrower than a voxel may go unnoticed.
 /// Fails with kEmpty, kGeometry (open or inside out, with a place), kBadValue (options, with values that work),
 /// kCancelled. Deterministic, on one thread; any thread.
 /// @cost  a mandible of 118 x 87 x 77 mm, 42 000 triangles: 0.3 s and 50 MB at 0.3 mm, 0.5 s and 66 MB at 0.2 mm, 1.6 s
