@@ -32,7 +32,17 @@ void addSamples(const std::array<Vec3d, 3>& corners, std::uint32_t triangle, dou
   addSamples({middle, q, r}, triangle, spacing, out);
 }
 
-constexpr double kPicometre = 1e-9;  // mm: below it a distance is rounding
+// About the number of samples.
+double partsOf(const Mesh& mesh, double spacing) {
+  double sum = 0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    double longest = 0;
+    for (int k = 0; k < 3; ++k) longest = std::max(longest, (mesh.corner(t, (k + 1) % 3) - mesh.corner(t, k)).norm());
+    const double area = 0.5 * doubleAreaVector(mesh, t).norm();
+    sum += longest <= spacing ? 1 : std::max(2 * longest / spacing, 4 * area / (spacing * spacing));
+  }
+  return sum;
+}
 
 class Measure {
  public:
@@ -45,8 +55,10 @@ class Measure {
     const double area = surfaceArea(from_);
     if (!(area > 0))
       return fail({.code = Error::Code::kEmpty, .found = "a mesh without area", .expected = "a surface"});
-    constexpr double kParts = 200'000;
+    constexpr double kParts = 200'000, kMost = 5e6, kCoarser = 1.4;
     out_.spacing_mm = options_.spacing_mm > 0 ? options_.spacing_mm : std::sqrt(4 * area / kParts);
+    const double least = static_cast<double>(from_.triangles.size());
+    while (options_.spacing_mm <= 0 && partsOf(from_, out_.spacing_mm) > kMost + least) out_.spacing_mm *= kCoarser;
     if (!vertices(partOf(progress, 0, 0.3)) || !samples(partOf(progress, 0.3, 1))) return cancelled();
     if (out_.value.empty())
       return fail({.code = Error::Code::kEmpty,
@@ -61,7 +73,7 @@ class Measure {
   // Empty where excluded.
   std::optional<double> deviation(const NearestOnMesh& nearest) const {
     if (nearest.is_on_boundary) return {};
-    return nearest.distance_mm < kPicometre ? 0 : sign_ * nearest.signed_mm;
+    return nearest.distance_mm <= Deviations::kSame ? 0 : sign_ * nearest.signed_mm;
   }
 
   void extend(double mm, const Vec3d& at) {
@@ -116,7 +128,7 @@ class Measure {
     out_.mean_abs_mm += sample.area * std::abs(*d);
     out_.rms_mm += sample.area * *d * *d;
     (std::abs(*d) <= options_.tolerance_mm ? out_.within : *d > 0 ? out_.over : out_.under) += sample.area;
-    if (std::abs(*d) <= Deviations::kSame) out_.unchanged += sample.area;
+    if (*d == 0) out_.unchanged += sample.area;
     out_.normals_agree += sample.area * from_distance_.normal(sample.triangle).dot(to_.normal(nearest.triangle));
     out_.value.push_back(static_cast<float>(*d));
     out_.area.push_back(static_cast<float>(sample.area));

@@ -146,14 +146,19 @@ std::string histogram(const Deviations& d, const DeviationScale& scale, double t
     const double at = static_cast<double>(d.value[n]) / mm + 0.5 * kBars;
     area[static_cast<std::size_t>(std::clamp(at, 0.0, kBars - 0.5))] += static_cast<double>(d.area[n]);
   }
-  // The bar of the unchanged surface would flatten the others: the height is the root of the share.
-  const double most = *std::max_element(area.begin(), area.end()), bottom = top + kChart;
+  // The bar of the unchanged surface would flatten the others: it ends at the top.
+  double most = 0;
+  for (int n = 0; n < kBars; ++n)
+    if (n != kBars / 2) most = std::max(most, area[static_cast<std::size_t>(n)]);
+  const double middle = area[kBars / 2], bottom = top + kChart;
+  const bool is_cut_off = middle > most && most > 0;
+  if (!is_cut_off) most = std::max(most, middle);
   const auto x = [&](double value) { return kLeft + width * (0.5 + value / mm / kBars); };
   std::string out =
       fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"#f1f3f5\"/>\n",
                   x(-scale.tolerance_mm), top, x(scale.tolerance_mm) - x(-scale.tolerance_mm), kChart);
   for (int n = 0; n < kBars; ++n) {
-    const double high = std::sqrt(area[static_cast<std::size_t>(n)] / most) * kChart;
+    const double high = std::min(1.0, area[static_cast<std::size_t>(n)] / most) * kChart;
     const std::string fill = hex(scale.colour(mm * (n - kBars / 2)));
     const double left = kLeft + bar * n;
     if (high > 0)
@@ -170,7 +175,9 @@ std::string histogram(const Deviations& d, const DeviationScale& scale, double t
   out += text(kWidth / 2, bottom + 52, fmt::format("deviation [mm]; grey: within \u00b1{:g} mm", scale.tolerance_mm),
               kInk, "middle", 13);
   out += text(kWidth - kLeft, bottom + 52, "material too much", kInk, "end", 13);
-  return out + text(kLeft, top - 8, "area by deviation (height: its square root)", kInk, "start", 14);
+  return out + text(kLeft, top - 8,
+                    is_cut_off ? "area by deviation; the middle bar is cut off at the top" : "area by deviation", kInk,
+                    "start", 14);
 }
 
 }  // namespace

@@ -85,24 +85,29 @@ class Fitting {
     int free_motions = 0;
   };
 
+  enum class Keep {
+    kRobust,   // within three standard deviations, estimated from the median
+    kNearHalf  // the nearer half: finds the common surface where changed parts pull the robust fit aside
+  };
+
   // Empty if no pairs are left.
-  std::optional<Result> refine(const Rigid3& start, int iterations) {
+  // @param still  a step shorter than this ends it, mm.
+  std::optional<Result> refine(const Rigid3& start, int iterations, Keep keep, double still) {
     Result out{.pose = start};
     for (int n = 0;; ++n) {
-      if (!pair(out)) return {};
+      if (!pair(out, keep)) return {};
       if (n == iterations) return out;
       const Rigid3 step = stepOf(out);
       out.pose = step * out.pose;
-      constexpr double kStill = 1e-9;  // mm
       const double turn = Eigen::AngleAxisd(step.rotation).angle() * size_;
       const double shift = (step * middle_ - middle_).norm();
-      if (turn + shift < kStill) return pair(out) ? std::optional(out) : std::nullopt;
+      if (turn + shift < still) return pair(out, keep) ? std::optional(out) : std::nullopt;
     }
   }
 
  private:
   // Finds the nearest points in this pose and chooses the pairs to keep.
-  bool pair(Result& out) {
+  bool pair(Result& out, Keep keep) {
     const std::size_t count = points_.at.size();
     moved_.resize(count);
     nearest_.resize(count);
@@ -131,7 +136,7 @@ class Fitting {
     std::nth_element(distances.begin(), middle, distances.end());
     out.median = *middle;
     constexpr double kThreeSigma = 3 * 1.4826, kRounding = 1e-9;
-    const double limit = kThreeSigma * out.median + kRounding;
+    const double limit = (keep == Keep::kRobust ? kThreeSigma : 1) * out.median + kRounding;
     out.kept = 0;
     out.rms = 0;
     middle_ = Vec3d::Zero();
@@ -203,12 +208,15 @@ Expected<RigidFit> fitRigidly(const Mesh& first, const MeshDistance& first_dista
                        .hint = "kerf check both"};
 
   constexpr std::size_t kCoarse = 600;
-  constexpr int kCoarseIterations = 25, kIterations = 80;
+  constexpr int kCoarseIterations = 25, kIterations = 60;
+  using Keep = Fitting::Keep;
+  const double roughly = 1e-4 * size;
+  constexpr double kStill = 1e-9;  // mm
   const Points coarse = spreadPoints(from, from_distance, kCoarse);
   const Points fine = spreadPoints(from, from_distance, options.samples);
   Fitting start(coarse, to_distance, size);
 
-  std::optional<Fitting::Result> best = start.refine({}, kCoarseIterations);
+  std::optional<Fitting::Result> best = start.refine({}, kCoarseIterations, Keep::kRobust, roughly);
   RigidFit out;
   if (options.from_anywhere) {
     const Moments a = momentsOf(fine.at), b = momentsOf(spreadPoints(to, to_distance, options.samples).at);
@@ -217,7 +225,8 @@ Expected<RigidFit> fitRigidly(const Mesh& first, const MeshDistance& first_dista
       if (!report(progress, 0.8 * static_cast<double>(n) / static_cast<double>(orders.size()), "aligning"))
         return cancelled();
       const Eigen::Quaterniond turn(b.axes * orders[n] * a.axes.transpose());
-      const auto found = start.refine({turn.normalized(), b.middle - turn * a.middle}, kCoarseIterations);
+      const auto found =
+          start.refine({turn.normalized(), b.middle - turn * a.middle}, kCoarseIterations, Keep::kRobust, roughly);
       // Equally good ones: the first, so that a symmetric object stays as it lies.
       constexpr double kClearly = 0.9, kRounding = 1e-6;
       if (found && (!best || found->cost < kClearly * best->cost - kRounding)) {
@@ -230,8 +239,10 @@ Expected<RigidFit> fitRigidly(const Mesh& first, const MeshDistance& first_dista
   if (!report(progress, 0.8, "aligning")) return cancelled();
 
   Fitting whole(fine, to_distance, size);
-  const auto before = whole.refine({}, 0);
-  const auto fitted = whole.refine(best->pose, kIterations);
+  const auto before = whole.refine({}, 0, Keep::kRobust, kStill);
+  auto fitted = whole.refine(best->pose, kIterations, Keep::kRobust, roughly);
+  if (fitted) fitted = whole.refine(fitted->pose, kIterations, Keep::kNearHalf, kStill);
+  if (fitted) fitted = whole.refine(fitted->pose, kIterations, Keep::kRobust, kStill);
   if (!fitted) return fail(no_pairs);
   out.T_first_second = is_second_smaller ? fitted->pose : fitted->pose.inverse();
   out.before_mm = before ? before->median : std::numeric_limits<double>::infinity();

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <numbers>
@@ -173,7 +174,9 @@ std::vector<std::string> linesOf(const Deviations& d, double tolerance_mm) {
   return out;
 }
 
-std::string fitLine(const RigidFit& fit, const Vec3d& shift) {
+std::string fitLine(const RigidFit& fit, Vec3d shift) {
+  constexpr double kShown = 5e-5;  // smaller ones are not printed as -0.0000
+  for (double& mm : shift) mm = std::abs(mm) < kShown ? 0 : mm;
   return fmt::format(
       "aligned: second mesh turned by {:.4f} degrees, shifted by ({:.4f}, {:.4f}, {:.4f}) mm; residual RMS {:.5f} mm "
       "of "
