@@ -87,7 +87,7 @@ TEST_F(CliCompare, WritesAMapAPictureAndATable) {
   EXPECT_EQ(raised, 4);
 }
 
-// The honest check: what a cut leaves is exactly 0, and its floor lies as deep as the path says.
+// Untouched surface is exactly 0, and the floor of the cut lies as deep as its path.
 TEST_F(CliCompare, OfACaseAndItsRunIsTheCutAlone) {
   makeRun();
   const json j = parsed({"compare", at("box.case"), at("box.run"), "--json"});

@@ -59,7 +59,7 @@ Mesh spikyBall() {
   return mesh;
 }
 
-// Every triangle with three vertices of its own, as a careless exporter writes them.
+// Every triangle with three vertices of its own, as STL holds them.
 Mesh loose(const Mesh& mesh) {
   Mesh out;
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
