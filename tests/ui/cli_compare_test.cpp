@@ -1,6 +1,7 @@
 // kerf compare, run as a user does.
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <sstream>
 
 #include "tests/support/places.h"
@@ -47,7 +48,7 @@ class CliCompare : public Cli {
 TEST_F(CliCompare, MeasuresARaisedTop) {
   folder_.write("box.off", box());
   writeRaised("high.off", 0.25);
-  const json j = parsed({"compare", at("box.off"), at("high.off"), "--json"});
+  const json j = parsed({"compare", at("box.off"), at("high.off"), "--unit", "mm", "--json"});
   EXPECT_NEAR(j["hausdorff_mm"].get<double>(), 0.25, 1e-6);
   EXPECT_NEAR(j["volume_difference_mm3"].get<double>(), 6 * 5 * 0.25, 1e-4);
   const json& d = j["second_from_first"];
@@ -95,8 +96,11 @@ TEST_F(CliCompare, OfACaseAndItsRunIsTheCutAlone) {
   EXPECT_NEAR(d["least"]["mm"].get<double>(), -0.5, 0.01) << "the groove's floor, below a flat top";
   EXPECT_LT(d["most"]["mm"].get<double>(), 1e-4) << "a cut adds nothing";
   EXPECT_GT(d["unchanged"].get<double>(), 0.9);
+  // A round bur of 0.7 mm radius, 0.5 mm deep, along 4 mm: a segment of its circle, and a cap of its ball.
+  const double r = 0.7, deep = 0.5;
+  const double segment = r * r * std::acos((r - deep) / r) - (r - deep) * std::sqrt(2 * r * deep - deep * deep);
   EXPECT_NEAR(j["volume_difference_mm3"].get<double>(),
-              -parsed({"info", at("box.run"), "--json"})["removed_mm3"].get<double>(), 0.02);
+              -(4 * segment + std::numbers::pi * deep * deep * (3 * r - deep) / 3), 0.01);
 }
 
 TEST_F(CliCompare, NothingMovesWithoutAlign) {

@@ -53,10 +53,7 @@ struct Sides {
   Vec3d shift = Vec3d::Zero();  // of its middle, mm
 };
 
-void note(Sides& sides, std::string text) {
-  printText(stderr, "kerf: {}\n", text);
-  sides.notes.push_back(std::move(text));
-}
+void note(Sides& sides, std::string text) { sides.notes.push_back(std::move(text)); }
 
 Expected<Side> readSide(const std::string& name, const CompareArguments& a, Sides& sides) {
   Side out{.name = name, .mesh = {}, .distance = {}};
@@ -315,6 +312,7 @@ Expected<void> compare(const CompareArguments& a) {
 
   const TerminalProgress guard;  // Ctrl-C waits for complete files
   KERF_CHECK(writeOutputs(a, sides, comparison));
+  for (const std::string& text : sides.notes) printText(stderr, "kerf: {}\n", text);
   if (a.json)
     printJson(comparisonJson(a, sides, comparison));
   else
