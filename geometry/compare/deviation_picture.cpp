@@ -135,6 +135,18 @@ std::string text(double x, double y, std::string_view what, const char* colour, 
                      x, y, colour, anchor, size, xmlText(what));
 }
 
+// Lines too long for the sheet end at a "; ".
+std::vector<std::string> wrapped(const std::vector<std::string>& lines) {
+  constexpr std::size_t kMost = 118;
+  std::vector<std::string> out;
+  for (std::string line : lines) {
+    for (std::size_t at; line.size() > kMost && (at = line.rfind("; ", kMost)) != line.npos; line.erase(0, at + 2))
+      out.push_back(line.substr(0, at + 1));
+    out.push_back(line);
+  }
+  return out;
+}
+
 std::string hex(const Rgba8& c) { return fmt::format("#{:02x}{:02x}{:02x}", c[0], c[1], c[2]); }
 
 // Bars in the colours of the scale: chart and legend in one. The outermost bars hold all beyond the range.
@@ -241,7 +253,8 @@ std::string drawDeviations(const Mesh& mesh, const Deviations& deviations, const
 
   constexpr double kViewsHeight = kTileHeight * kRows, kLine = 19;
   const double chart = kTop + kViewsHeight + 30, lines = chart + kChart + 84;
-  const double height = lines + kLine * static_cast<double>(picture.lines.size());
+  const std::vector<std::string> words = wrapped(picture.lines);
+  const double height = lines + kLine * static_cast<double>(words.size());
   std::string out = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" viewBox=\"0 0 {0:.0f} {1:.0f}\" "
       "font-family=\"DejaVu Sans, Helvetica, Arial, sans-serif\">\n<title>{2}</title>\n"
@@ -255,8 +268,8 @@ std::string drawDeviations(const Mesh& mesh, const Deviations& deviations, const
     out += text(kLeft + kTileWidth * static_cast<double>(n % kColumns) + 8,
                 kTop + kTileHeight * static_cast<double>(n / kColumns) + 14, kViews[n].name, kFaint, "start", 12);
   out += histogram(deviations, scale, chart);
-  for (std::size_t n = 0; n < picture.lines.size(); ++n)
-    out += text(kLeft, lines + kLine * static_cast<double>(n), picture.lines[n], kInk, "start", 14);
+  for (std::size_t n = 0; n < words.size(); ++n)
+    out += text(kLeft, lines + kLine * static_cast<double>(n), words[n], kInk, "start", 14);
   return out + "</svg>\n";
 }
 
