@@ -17,8 +17,9 @@
 namespace kerf {
 
 struct LabelOptions {
-  std::string text;       ///< UTF-8; '\n' ends a line
-  double height_mm = 4;   ///< of a capital letter, 0.5 to 100; below 3 mm strokes of Inter Bold get thinner than 0.5
+  std::string text;  ///< UTF-8; '\n' ends a line
+  double height_mm =
+      4;  ///< of a capital letter, 0.5 to 100; strokes of Inter Bold: 0.62 mm at 4 mm for digits, 0.49 for an a
   double depth_mm = 0.6;  ///< below the surface, or above; 0.05 to 10. A printer hardly shows less than 0.3
   bool embossed = false;  ///< raised; else engraved
   /// The middle of the text's rectangle, within 1.5 mm of the surface.
@@ -40,7 +41,7 @@ struct LabelReport {
   double least_stroke_mm = 0;                    ///< the narrowest stroke
   double unevenness_mm = 0;                      ///< of the surface over the rectangle, from the plane or the cylinder
   double least_depth_mm = 0, most_depth_mm = 0;  ///< below or above the surface
-  std::optional<double> wall_mm{};               ///< engraved: left behind the letters, if less than 10 mm
+  std::optional<double> wall_mm{};               ///< engraved: left behind the letters, if less than 5 mm
   double volume_mm3 = 0;                         ///< removed or added
   int attempts = 1;
   std::vector<std::string> warnings{};  ///< plain sentences: a stroke below 0.5 mm, a depth below 0.3 mm
@@ -60,7 +61,7 @@ struct Labelled {
 /// Errors: kBadValue: numbers out of range, or `up` along the normal; those of the text and the font; kGeometry, each
 /// with numbers: the text reaches beyond the face, the surface is too steep or rough, the wall behind is too thin,
 /// another surface is close in front, or no printable mesh in 8 attempts with shifts of 0.13 um; kCancelled.
-/// @cost  0.2 s for 20 letters on 300k triangles.   @thread any; deterministic.
+/// @cost  for 16 letters 0.1 s of CPU on 25k triangles, 1.3 s on 400k.   @thread any; deterministic.
 Expected<Labelled> withLabel(const Mesh& solid, const LabelOptions& label, const Progress& progress = {});
 
 enum class LabelFace { kUnderside, kSide };

@@ -40,7 +40,7 @@ Mesh moved(Mesh mesh, const Rigid3& pose) {
 TEST(Label, TakesTheLettersVolumeOutOfABlock) {
   const Mesh block = box({0, 0, 0}, {60, 20, 8});
   for (const bool embossed : {false, true}) {
-    const LabelOptions label{.text = "Fall 17 äöß", .embossed = embossed, .point = {30, 10, 8}};
+    const LabelOptions label{.text = "Nr. 17 36 öß", .embossed = embossed, .point = {30, 10, 8}};
     const auto done = withLabel(block, label);
     ASSERT_TRUE(done) << done.error().message();
     expectPrintable(done->part.mesh);
@@ -207,13 +207,13 @@ TEST(Label, RefusesWithNumbers) {
 
 TEST(Label, WarnsOfThinStrokesAndShallowLetters) {
   const Mesh block = box({0, 0, 0}, {30, 10, 5});
-  const auto small = withLabel(block, {.text = "Fall", .height_mm = 2, .depth_mm = 0.2, .point = {15, 5, 5}});
+  const auto small = withLabel(block, {.text = "Nr. 8", .height_mm = 2, .depth_mm = 0.2, .point = {15, 5, 5}});
   ASSERT_TRUE(small) << small.error().message();
   EXPECT_EQ(small->report.warnings.size(), 2u);
-  const auto large = withLabel(block, {.text = "Fall", .height_mm = 4, .point = {15, 5, 5}});
+  const auto large = withLabel(block, {.text = "Nr. 8", .height_mm = 4, .point = {15, 5, 5}});
   ASSERT_TRUE(large);
   EXPECT_TRUE(large->report.warnings.empty());
-  EXPECT_NEAR(large->report.least_stroke_mm, 2 * small->report.least_stroke_mm, 0.01);
+  EXPECT_NEAR(large->report.least_stroke_mm, 2 * small->report.least_stroke_mm, 0.03);
   EXPECT_GT(large->report.least_stroke_mm, 0.4);
   EXPECT_LT(large->report.least_stroke_mm, 0.9);
 }
