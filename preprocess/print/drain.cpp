@@ -8,6 +8,7 @@
 #include <map>
 #include <numbers>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include "geometry/boolean/plane_cut.h"
@@ -91,6 +92,17 @@ class Walls {
   // @param deepest_entry  the hole's circle has to meet the model's surface no farther from the point.
   std::optional<Drain> through(const Vec3d& from, const Vec3d& axis, double reach, double radius, int cavity,
                                bool is_strict, double deepest_entry = std::numeric_limits<double>::infinity()) const {
+    // First the middle alone, which rejects most places.
+    Box3 line;
+    line.add(from);
+    line.add(from + reach * axis);
+    {
+      const auto [part, number] = near(line);
+      const std::vector<RayHit> h = rayHits(part, from, axis);
+      if (h.size() < 2 || !h[0].enters || h[0].way > deepest_entry || h[1].enters ||
+          cavity_of[number[h[1].triangle]] != cavity)
+        return {};
+    }
     const Vec3d u = axis.unitOrthogonal(), v = axis.cross(u);
     std::vector<Vec3d> starts{from};
     for (const double r : {radius, radius + kHoleClearance})
@@ -158,12 +170,6 @@ class Walls {
 
 // ---- Candidates
 
-struct DrainPlace {
-  Drain drain;
-  Vec3d place;  // on the cavity's wall
-  double height = 0;
-};
-
 // Places on the cavity's wall about `step` apart: the lowest of each cell of a grid.
 std::vector<Vec3d> placesOf(const Walls& walls, std::size_t cavity, double step, bool is_floor) {
   constexpr int kMostParts = 100;  // of a large triangle's side
@@ -195,72 +201,63 @@ double stepOf(const Walls& walls, std::size_t cavity) {
   return std::max(0.7, std::sqrt(area / kMost));
 }
 
-std::vector<DrainPlace> fromBelow(const Walls& walls, std::size_t cavity, const DrainOptions& options, bool is_strict) {
+std::optional<Drain> fromBelow(const Walls& walls, const Vec3d& place, std::size_t cavity, const DrainOptions& options,
+                               bool is_strict) {
   constexpr double kLowestFace = 0.5, kBelow = 1;  // mm
-  std::vector<DrainPlace> out;
-  for (const Vec3d& p : placesOf(walls, cavity, stepOf(walls, cavity), true)) {
-    const double height = walls.up().dot(p), rise = height - walls.lowest() + kBelow;
-    auto drain = walls.through(p - rise * walls.up(), walls.up(), rise + options.diameter_mm + 2,
-                               0.5 * options.diameter_mm, static_cast<int>(cavity), is_strict, kBelow + kLowestFace);
-    if (!drain) continue;
-    drain->is_below = true;
-    out.push_back({*drain, p, height});
-  }
-  return out;
+  const double rise = walls.up().dot(place) - walls.lowest() + kBelow;
+  auto drain = walls.through(place - rise * walls.up(), walls.up(), rise + options.diameter_mm + 2,
+                             0.5 * options.diameter_mm, static_cast<int>(cavity), is_strict, kBelow + kLowestFace);
+  if (drain) drain->is_below = true;
+  return drain;
 }
 
-std::vector<DrainPlace> fromNearest(const Walls& walls, const MeshDistance& outside, std::size_t cavity,
-                                    const DrainOptions& options, bool is_strict) {
-  std::vector<DrainPlace> out;
-  for (const Vec3d& p : placesOf(walls, cavity, stepOf(walls, cavity), false)) {
-    const NearestOnMesh near = outside.nearest(p);
-    if (!near.isFound() || near.distance_mm < 1e-6) continue;
-    const Vec3d axis = (p - near.point) / near.distance_mm;
-    const double before = 1;  // mm
-    auto drain = walls.through(near.point - before * axis, axis, near.distance_mm + options.diameter_mm + 3,
-                               0.5 * options.diameter_mm, static_cast<int>(cavity), is_strict);
-    if (drain) out.push_back({*drain, p, walls.up().dot(p)});
-  }
-  return out;
+std::optional<Drain> fromNearest(const Walls& walls, const MeshDistance& outside, const Vec3d& place,
+                                 std::size_t cavity, const DrainOptions& options, bool is_strict) {
+  constexpr double kBefore = 1;  // mm
+  const NearestOnMesh near = outside.nearest(place);
+  if (!near.isFound() || near.distance_mm < 1e-6) return {};
+  const Vec3d axis = (place - near.point) / near.distance_mm;
+  return walls.through(near.point - kBefore * axis, axis, near.distance_mm + options.diameter_mm + 3,
+                       0.5 * options.diameter_mm, static_cast<int>(cavity), is_strict);
 }
 
-// The lowest, then the ones farthest from those before.
-std::vector<Drain> chosen(const std::vector<DrainPlace>& all, std::size_t count, double apart_mm) {
-  constexpr double kSameHeight = 0.05;  // mm: the thinner wall decides, then the order of the places
+// The lowest place that a drain can have, then the ones farthest from those before.
+template <class Try>
+std::vector<Drain> chosen(std::vector<Vec3d> places, const Vec3d& up, std::size_t count, double apart_mm,
+                          const Try& drainAt) {
+  constexpr double kSameHeight = 0.05;  // mm: then the order of the places decides
   std::vector<Drain> out;
-  if (all.empty()) return out;
-  const auto least = std::min_element(all.begin(), all.end(), [](const DrainPlace& a, const DrainPlace& b) {
-    const auto key = [](const DrainPlace& c) { return std::pair(std::floor(c.height / kSameHeight), c.drain.wall_mm); };
-    return key(a) < key(b);
+  std::stable_sort(places.begin(), places.end(), [&](const Vec3d& a, const Vec3d& b) {
+    return std::floor(up.dot(a) / kSameHeight) < std::floor(up.dot(b) / kSameHeight);
   });
-  std::vector<Vec3d> places{least->place};
-  out.push_back(least->drain);
+  std::vector<double> away(places.size(), std::numeric_limits<double>::infinity());
   while (out.size() < count) {
-    const DrainPlace* best = nullptr;
-    double farthest = apart_mm;
-    for (const DrainPlace& c : all) {
-      double away = std::numeric_limits<double>::infinity();
-      for (const Vec3d& p : places) away = std::min(away, (c.place - p).norm());
-      if (away > farthest) {
-        farthest = away;
-        best = &c;
-      }
-    }
-    if (!best) break;
-    places.push_back(best->place);
-    out.push_back(best->drain);
+    std::optional<Drain> drain;
+    std::size_t at = 0;
+    for (; at < places.size() && !drain && away[at] > apart_mm; ++at) drain = drainAt(places[at]);
+    if (!drain) break;
+    out.push_back(*drain);
+    const Vec3d taken = places[at - 1];
+    std::vector<std::pair<double, Vec3d>> rest;
+    for (std::size_t n = 0; n < places.size(); ++n)
+      rest.emplace_back(std::min(away[n], (places[n] - taken).norm()), places[n]);
+    std::stable_sort(rest.begin(), rest.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+    for (std::size_t n = 0; n < rest.size(); ++n) std::tie(away[n], places[n]) = rest[n];
   }
   return out;
 }
 
 std::vector<Drain> drainsOf(const Walls& walls, const MeshDistance& outside, std::size_t cavity,
                             const DrainOptions& options) {
-  const double apart = options.diameter_mm + 2 * kHoleClearance;
+  const double apart = options.diameter_mm + 2 * kHoleClearance, step = stepOf(walls, cavity);
   for (const bool is_strict : {true, false}) {
     std::vector<Drain> out;
     if (options.side == DrainSide::kUnderside)
-      out = chosen(fromBelow(walls, cavity, options, is_strict), options.count, apart);
-    if (out.empty()) out = chosen(fromNearest(walls, outside, cavity, options, is_strict), options.count, apart);
+      out = chosen(placesOf(walls, cavity, step, true), walls.up(), options.count, apart,
+                   [&](const Vec3d& p) { return fromBelow(walls, p, cavity, options, is_strict); });
+    if (out.empty())
+      out = chosen(placesOf(walls, cavity, step, false), walls.up(), options.count, apart,
+                   [&](const Vec3d& p) { return fromNearest(walls, outside, p, cavity, options, is_strict); });
     if (!out.empty()) return out;
   }
   return {};

@@ -205,6 +205,7 @@ void moveOntoWall(Mesh& cavities, const MeshDistance& surface, double wall_mm, d
       const double off = wall_mm - near.distance_mm;
       if (std::abs(off) < 1e-6) break;
       p += off / near.distance_mm * (p - near.point);
+      if (std::abs(off) < 0.1 * snap_mm) break;
     }
   });
 }
