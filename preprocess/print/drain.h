@@ -52,7 +52,7 @@ struct DrainPlan {
 /// wall. The lowest face of the model is its surface up to 0.5 mm above its lowest point: a base on the plate.
 /// @pre  ready to print (checkMesh).   Errors: kEmpty for a mesh without a cavity; kBadValue for options; kGeometry for
 /// a cavity without a place, with its volume and lowest point, and for a place by hand without a cavity behind it.
-/// @cost  about 0.5 s for 300k triangles. @thread any; deterministic.
+/// @cost  two box trees, and some hundred rays per place tried. @thread any; deterministic.
 Expected<DrainPlan> placeDrains(const Mesh& hollow, const DrainOptions& options, const Progress& progress = {});
 
 struct Drained {
@@ -67,7 +67,7 @@ struct Drained {
 /// Drills the holes by exact cuts (withHole). Each must open a cavity, or join an open one once more: else an error
 /// that names the hole. Guarantees of postOperativeMesh().
 /// @param holes  at least one, usable.   Errors: kBadValue, kGeometry, kCancelled.
-/// @cost  0.5 s a hole for 300k triangles. @thread any; deterministic.
+/// @cost  a withHole() per hole. @thread any; deterministic.
 Expected<Drained> drained(const Mesh& hollow, std::span<const RoundHole> holes, const Progress& progress = {},
                           const PostOpOptions& options = {});
 

@@ -359,9 +359,9 @@ std::uint64_t estimateHollowBytes(const Mesh& solid, const HollowOptions& option
   const double h = voxelOf(options), area = surfaceArea(solid) / (h * h), r = options.rounding_mm / h;
   const double volume = std::max(0.0, signedVolume(solid)) / (h * h * h);
   // Leaves of the first field: the band, at most the whole solid. As in estimateBakeBytes(), and a copy as bricks.
-  const double first = std::min(area * (options.wall_mm / h + r + 2 * kSpare + 8), volume + area * (kSpare + 8)) * 20;
+  const double first = std::min(area * (options.wall_mm / h + r + 2 * kSpare + 8), volume + area * (kSpare + 8)) * 14;
   // The cavity has at most about the solid's surface: its field, mesh and the surfaces of the bricks.
-  const double second = area * ((r + 2 * kSpare + 8) * 20 + 2 * 200);
+  const double second = area * ((r + 2 * kSpare + 8) * 14 + 2 * 140);
   return static_cast<std::uint64_t>(first + second) + 900 * solid.triangles.size();
 }
 
