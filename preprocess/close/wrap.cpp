@@ -69,8 +69,10 @@ Expected<Mesh> wrapSoup(const Mesh& soup, double alpha_mm, double offset_mm, con
     }
 
     CGAL::Surface_mesh<Point> wrap;
-    CGAL::alpha_wrap_3(points, faces, alpha_mm, offset_mm, wrap, CGAL::parameters::default_values(),
-                       CGAL::parameters::visitor(StopWhenAsked(poll)));
+    // CGAL 5 takes the visitor from the parameters of the output, CGAL 6 from those of the input.
+    const StopWhenAsked visitor(poll);
+    CGAL::alpha_wrap_3(points, faces, alpha_mm, offset_mm, wrap, CGAL::parameters::visitor(visitor),
+                       CGAL::parameters::visitor(visitor));
 
     Mesh mesh;
     for (const auto v : wrap.vertices())
