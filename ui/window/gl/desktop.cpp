@@ -18,6 +18,7 @@ namespace kerf {
 namespace {
 
 constexpr float kFontPixels = 15;  // at a scale of 1
+constexpr int kClickFrames = 4;    // for a press and a release, twice
 
 int heldOf(GLFWwindow* window) {
   const auto isDown = [&](int key) { return glfwGetKey(window, key) == GLFW_PRESS; };
@@ -89,6 +90,7 @@ void Desktop::listen() {
                        .x = heardBy(w).x,
                        .y = heardBy(w).y};
     heardBy(w).events.push_back(e);
+    heardBy(w).click_frames = kClickFrames;
     if (button == GLFW_MOUSE_BUTTON_LEFT && e.is_down) heardBy(w).double_click.press(glfwGetTime(), e.x, e.y);
   });
   glfwSetCursorPosCallback(window_, [](GLFWwindow* w, double x, double y) {
@@ -131,6 +133,11 @@ void Desktop::beginFrame() {
     else
       ImGui_ImplGlfw_KeyCallback(window_, e.key, e.scancode, e.action, e.modifiers);
   }
+#if IMGUI_VERSION_NUM >= 18700
+  // Dear ImGui spreads clicks over frames. Keys are spread already: twice, text would lag behind the key that ends it.
+  ImGui::GetIO().ConfigInputTrickleEventQueue = heard_.click_frames > 0;
+  heard_.click_frames = std::max(heard_.click_frames - 1, 0);
+#endif
   ImGui_ImplOpenGL3_NewFrame();
   ImGui_ImplGlfw_NewFrame();
   ImGui::NewFrame();

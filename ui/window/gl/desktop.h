@@ -60,6 +60,7 @@ class Desktop {
     bool is_damaged = true;
     DoubleClick double_click;  // of the left button
     double x = 0, y = 0;       // of the last move
+    int click_frames = 0;      // frames to come in which Dear ImGui spreads clicks
   };
 
   void listen();
