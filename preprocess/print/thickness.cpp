@@ -39,9 +39,9 @@ double squaredDistance(const Box3& box, const Vec3d& p) {
   return (p - p.cwiseMax(box.min).cwiseMin(box.max)).squaredNorm();
 }
 
-class Walls {
+class ShrinkingBalls {
  public:
-  Walls(const Mesh& mesh, const ThicknessOptions& options)
+  ShrinkingBalls(const Mesh& mesh, const ThicknessOptions& options)
       : mesh_(mesh),
         most_(options.most_mm),
         opposite_(-std::cos(options.opposing_deg * kDegree)),
@@ -140,7 +140,7 @@ Expected<std::vector<double>> wallThickness(const Mesh& solid, const ThicknessOp
                  .found = fmt::format("a volume of {:.3g} mm3", signedVolume(solid)),
                  .expected = "a closed solid, turned outwards"});
   if (!report(progress, 0, "wall thickness")) return cancelled();
-  const Walls walls(solid, options);
+  const ShrinkingBalls walls(solid, options);
   std::vector<double> out(solid.vertices.size());
   constexpr std::size_t kBlock = 8192;
   for (std::size_t begin = 0; begin < out.size(); begin += kBlock) {
