@@ -11,7 +11,7 @@ namespace kerf::cli {
 using AddOptions = void(CLI::App& command, int& exit_code);
 
 AddOptions addBake, addCheck, addCompare, addCut, addDemo, addDemoMolar, addDevices, addExport, addHelp, addInfo,
-    addLive, addPick, addPlot, addRecover, addReplay, addTool, addTrim;
+    addLive, addPick, addPlot, addPrepare, addRecover, addReplay, addTool, addTrim;
 
 struct CommandRow {
   const char* name;     ///< as typed
@@ -34,6 +34,8 @@ inline constexpr CommandRow kCommands[] = {
     {"recover", "Recover a session of the window from its log after a crash", addRecover, kWorkflow},
     {"export", "Write the post-operative mesh of a run, or the closed solid of a case", addExport, kWorkflow},
     {"trim", "Cut a solid by planes into two, or a die out of a model, closed by flat faces", addTrim, kWorkflow},
+    {"prepare", "Make a solid ready for a printer: hollow, drains, a label, on the bed; report the wall and trapped resin",
+     addPrepare, kWorkflow},
     {"check", "Check if a mesh is ready to print, and list the reasons if not (exit 0 yes, 1 no)", addCheck, kInspect},
     {"compare", "Measure how far two meshes differ: planned and achieved, before and after", addCompare, kInspect},
     {"info", "Describe a mesh, a label volume, a case, a run or a tool", addInfo, kInspect},

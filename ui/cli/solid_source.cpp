@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // "arch" of "arch.stl", "arch.case" and "arch.case/".
-std::string nameOf(const fs::path& what) {
+std::string stemOf(const fs::path& what) {
   const fs::path file = what.has_filename() ? what : what.parent_path();
   return file.stem().string();
 }
@@ -28,7 +28,7 @@ Expected<SolidSource> readSolidMesh(const std::string& what, const std::string& 
   KERF_TRY(read, readMeshInMm(what, unit));
   SolidSource out;
   out.solid = std::move(read.mesh);
-  out.name = nameOf(what);
+  out.name = stemOf(what);
   out.note = std::move(read.note);
   if (read.unit != "mm")  // output is in single precision
     for (Vec3d& p : out.solid.vertices) p = p.cast<float>().cast<double>();
@@ -53,7 +53,7 @@ Expected<SolidSource> readSolid(const std::string& what, const std::string& unit
     return exportBundle(what, {}, progress.callback());
   }());
   SolidSource out;
-  out.name = nameOf(what);
+  out.name = stemOf(what);
   out.solid = std::move(exported.post_op.mesh);
   out.names = std::move(exported.names);
   fs::path folder = what;
