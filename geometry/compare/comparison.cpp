@@ -72,8 +72,9 @@ class Measure {
  private:
   // Empty where excluded.
   std::optional<double> deviation(const NearestOnMesh& nearest) const {
+    if (nearest.distance_mm <= Deviations::kSame) return 0;
     if (nearest.is_on_boundary) return {};
-    return nearest.distance_mm <= Deviations::kSame ? 0 : sign_ * nearest.signed_mm;
+    return sign_ * nearest.signed_mm;
   }
 
   void extend(double mm, const Vec3d& at) {

@@ -80,12 +80,13 @@ void MeshDistance::findSides(const Mesh& mesh) {
     const Vec3d twice = doubleAreaVector(mesh, t);
     if (twice.norm() > 0) s.face = twice.normalized();
     for (std::size_t k = 0; k < 3; ++k) s.corner[k] = joined[mesh.triangles[t][k]];
+    const bool is_line = s.corner[0] == s.corner[1] || s.corner[1] == s.corner[2] || s.corner[2] == s.corner[0];
     for (std::uint32_t k = 0; k < 3; ++k) {
       const Vec3d &p = mesh.corner(t, static_cast<int>(k)), to = mesh.corner(t, static_cast<int>((k + 1) % 3)) - p,
                   from = mesh.corner(t, static_cast<int>((k + 2) % 3)) - p;
       corner_normals_[s.corner[k]] += std::atan2(to.cross(from).norm(), to.dot(from)) * s.face;
       const auto [low, high] = std::minmax(s.corner[k], s.corner[(k + 1) % 3]);
-      if (low != high) uses.push_back({low, high, t, k});
+      if (!is_line) uses.push_back({low, high, t, k});
     }
   }
 
@@ -95,6 +96,7 @@ void MeshDistance::findSides(const Mesh& mesh) {
     Vec3d sum = Vec3d::Zero();
     for (end = n; end < uses.size() && uses[end].isOfSameEdge(uses[n]); ++end) sum += sides_[uses[end].triangle].face;
     for (std::size_t i = n; i < end; ++i) sides_[uses[i].triangle].edge[uses[i].k] = sum;
+    odd_edges_ += end - n > 2;
     if (end - n > 1) continue;
     ++boundary_edges_;
     sides_[uses[n].triangle].is_boundary[3 + uses[n].k] = true;
@@ -110,11 +112,14 @@ std::uint32_t MeshDistance::build(std::uint32_t first, std::uint32_t count, cons
   const auto here = static_cast<std::uint32_t>(nodes_.size());
   nodes_.emplace_back();
   Box3 box, middles;
+  std::uint32_t least = kNoTriangle;
   for (std::uint32_t n = first; n < first + count; ++n) {
     for (int k = 0; k < 3; ++k) box.add(mesh.corner(order_[n], k));
+    least = std::min(least, order_[n]);
     middles.add(centers[order_[n]]);
   }
   nodes_[here].box = box;
+  nodes_[here].least = least;
 
   if (count <= kLeafTriangles) {
     nodes_[here].first = first;
@@ -150,8 +155,8 @@ NearestOnMesh MeshDistance::nearest(const Vec3d& p, double most_mm) const noexce
   std::uint32_t triangle = kNoTriangle;
   while (size > 0) {
     const Waiting at = stack[--size];
-    if (at.squared > best.squared) continue;
     const Node& node = nodes_[at.node];
+    if (at.squared > best.squared || (at.squared == best.squared && node.least > triangle)) continue;
     if (node.count > 0) {
       for (std::uint32_t n = node.first; n < node.first + node.count; ++n) {
         const auto& [a, b, c] = corners_[n];

@@ -36,7 +36,8 @@ class MeshDistance {
   /// @param p  finite, mm.    @param most_mm  a farther surface is not found, which is faster than to measure it.
   NearestOnMesh nearest(const Vec3d& p, double most_mm = std::numeric_limits<double>::infinity()) const noexcept;
 
-  bool isClosed() const { return boundary_edges_ == 0; }
+  /// Every edge has two triangles.
+  bool isClosed() const { return boundary_edges_ == 0 && odd_edges_ == 0; }
   std::size_t boundaryEdges() const { return boundary_edges_; }  ///< edges of one triangle
   const Box3& bounds() const { return box_; }                    ///< of the vertices, mm
   /// Unit normal of a triangle; zero if it has no area.
@@ -47,6 +48,7 @@ class MeshDistance {
     Box3 box;
     std::uint32_t first = 0, count = 0;  ///< triangles of a leaf, in order_; an inner node has none ...
     std::uint32_t right = 0;             ///< ... but its left child right behind it, and this one
+    std::uint32_t least = 0;             ///< smallest number of a triangle in it
   };
   struct Sides {
     Vec3d face = Vec3d::Zero();
@@ -60,7 +62,7 @@ class MeshDistance {
   Box3 box_;
   std::vector<Sides> sides_;           ///< of each triangle
   std::vector<Vec3d> corner_normals_;  ///< pseudonormals of the joined vertices
-  std::size_t boundary_edges_ = 0;
+  std::size_t boundary_edges_ = 0, odd_edges_ = 0;
   std::vector<std::uint32_t> order_;           ///< triangles with an area, leaf by leaf
   std::vector<std::array<Vec3d, 3>> corners_;  ///< of order_
   std::vector<Node> nodes_;

@@ -125,6 +125,28 @@ TEST(MeshDistance, OfAnOpenMeshNamesTheBoundary) {
     EXPECT_TRUE(distance.nearest(p).is_on_boundary) << p.transpose();
 }
 
+TEST(MeshDistance, NeitherSliversNorCopiesCloseAMesh) {
+  Mesh mesh = ballMesh(Vec3d::Zero(), 3, 12);
+  EXPECT_TRUE(MeshDistance(mesh).isClosed());
+  Mesh twice = mesh;
+  twice.triangles.push_back(mesh.triangles[5]);
+  EXPECT_FALSE(MeshDistance(twice).isClosed());
+  const Triangle gone = mesh.triangles[5];
+  mesh.triangles.erase(mesh.triangles.begin() + 5);
+  for (int k = 0; k < 3; ++k) mesh.triangles.push_back({gone[k], gone[(k + 1) % 3], gone[k]});
+  const MeshDistance open(mesh);
+  EXPECT_FALSE(open.isClosed());
+  EXPECT_EQ(open.boundaryEdges(), 3u);
+}
+
+TEST(MeshDistance, ManyEqualTrianglesCostNoMore) {
+  Mesh mesh = ballMesh(Vec3d::Zero(), 3, 12);
+  for (int n = 0; n < 100'000; ++n) mesh.triangles.push_back(mesh.triangles[7]);
+  const MeshDistance distance(mesh);
+  const Vec3d middle = (mesh.corner(7, 0) + mesh.corner(7, 1) + mesh.corner(7, 2)) / 3;
+  for (int n = 0; n < 20'000; ++n) ASSERT_EQ(distance.nearest(middle).triangle, 7u);  // minutes if each is tried
+}
+
 TEST(MeshDistance, FindsNothingBeyondTheLimit) {
   const MeshDistance distance(ballMesh({0, 0, 0}, 1, 24));
   EXPECT_FALSE(distance.nearest({3, 0, 0}, 1.99).isFound());
