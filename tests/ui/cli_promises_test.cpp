@@ -34,6 +34,16 @@ TEST_F(CliPromises, NoMeshIsWrittenOverUnasked) {
   refuses({"trim", at("box.run"), "--plane", "0,0,1@0,0,-2", "-o", at("theirs.stl")}, {"theirs-above.stl"});
   refuses({"demo-molar", "-o", at("theirs.stl")}, {"theirs.stl", "--overwrite"});
 
+  // Not even when asked: a scan, or a file of a case or run.
+  const std::string scan = contentOf(at("box.off")), kept = contentOf(at("box.case/solid.ply"));
+  folder_.write("scan.ply", scan);  // a copy of the scan under a name that the command writes
+  for (const std::string& mine : {at("scan.ply"), at("box.case/solid.ply")}) {
+    refuses({"compare", at("box.case"), at("box.run"), "-o", mine, "--overwrite"}, {"never overwrites a scan"});
+    refuses({"export", at("box.run"), "-o", mine, "--overwrite"}, {"never overwrites a scan"});
+  }
+  EXPECT_EQ(contentOf(at("scan.ply")), scan);
+  EXPECT_EQ(contentOf(at("box.case/solid.ply")), kept);
+
   EXPECT_EQ(runKerf({"export", at("box.run"), "-o", at("theirs.stl"), "--overwrite"}).exit_code, 0);
   EXPECT_EQ(runKerf({"check", at("theirs.stl")}).exit_code, 0);
 }

@@ -21,6 +21,7 @@
 #include "sim/run/files/run_files.h"
 #include "ui/app/view/mesh_in_mm.h"
 #include "ui/cli/command.h"
+#include "ui/cli/solid_source.h"
 
 namespace kerf::cli {
 namespace {
@@ -101,6 +102,12 @@ Expected<void> align(Sides& sides) {
   constexpr double kFew = 0.5;
   if (static_cast<double>(fit.kept) < kFew * static_cast<double>(fit.samples))
     note(sides, fmt::format("CHECK THE FIT: only {} of {} samples have a partner", fit.kept, fit.samples));
+  constexpr double kFar = 0.005;  // of the size: models of one object fit better
+  if (const double size = sides.first.distance->bounds().size().norm(); fit.median_mm > kFar * size)
+    note(sides,
+         fmt::format("CHECK THE FIT: half of the surface deviates by more than {:.3g} mm; these may be models of "
+                     "two objects",
+                     fit.median_mm));
   sides.fit = fit;
   sides.shift = shiftOf(fit, sides.second);
   for (Vec3d& p : sides.second.mesh.vertices) p = fit.T_first_second * p;
@@ -240,16 +247,9 @@ Expected<void> requireWritable(const CompareArguments& a) {
                    .found = "\"" + path + "\"",
                    .expected = "a name that ends in .ply, .svg or .csv",
                    .hint = fs::path(path).replace_extension(".ply").string()});
-    for (const std::string& input : {a.first, a.second}) {
-      std::error_code ignored;
-      if (fs::equivalent(path, input, ignored))
-        return fail({.code = Error::Code::kBadValue,
-                     .file = path,
-                     .found = "an input file",
-                     .expected = "another name: Kerf never overwrites a scan",
-                     .hint = "another name or folder"});
-    }
+    for (const std::string& input : {a.first, a.second}) KERF_CHECK(requireNotInput(input, path));
     KERF_CHECK(requireFree(path, a.overwrites));
+    KERF_CHECK(canWriteFile(path));
   }
   return {};
 }

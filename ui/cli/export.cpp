@@ -19,6 +19,7 @@
 #include "sim/run/report/run_report.h"
 #include "ui/cli/command.h"
 #include "ui/cli/export_labels.h"
+#include "ui/cli/solid_source.h"
 
 namespace kerf::cli {
 namespace {
@@ -229,13 +230,7 @@ void printExport(const ExportArguments& a, const std::vector<Output>& outputs, c
 
 // Rejects paths of Kerf's scans and, unless the user allows it, existing files.
 Expected<void> requireWritable(const ExportArguments& a, const std::string& path) {
-  std::filesystem::path folder = a.bundle;
-  if (isRun(a.bundle)) {
-    KERF_TRY(of_run, caseOfRun(a.bundle));
-    folder = of_run;
-  }
-  KERF_TRY(manifest, readCaseManifest(folder));
-  KERF_CHECK(requireNoSource(path, manifest));
+  KERF_CHECK(requireNotInput(a.bundle, path));
   return requireFree(path, a.overwrites);
 }
 

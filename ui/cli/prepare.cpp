@@ -91,6 +91,7 @@ json prepareJson(const SolidSource& source, const Prepared& result, const std::v
   json j{{"files", files},
          {"up", pointJson(result.up)},
          {"on_plate", result.on_plate},
+         {"frame", result.laid.empty() ? "scan" : "bed"},  // of up and pockets; the steps' places are the scan's
          {"laid", std::move(laid)},
          {"steps", std::move(steps)},
          {"pockets", std::move(pockets)},
@@ -110,9 +111,10 @@ void printPrepared(const SolidSource& source, const Prepared& result, const std:
     printText("{}. {}: {}\n", n + 1, step.step, step.summary);
     for (const std::string& warning : step.warnings) printText("   WARNING: {}\n", warning);
   }
-  printText("resin: {:.2f} ml, {:.0f} % of {:.2f} ml; {} of {} vertices of the solid kept bit for bit\n",
+  printText("resin: {:.2f} ml, {:.0f} % of {:.2f} ml; {} of {} vertices of the solid kept bit for bit{}\n",
             1e-3 * result.resin_mm3, 100 * result.resin_mm3 / result.source_mm3, 1e-3 * result.source_mm3,
-            result.source_vertices_kept, source.solid.vertices.size());
+            result.source_vertices_kept, source.solid.vertices.size(),
+            result.laid.empty() ? "" : ", until it was laid on the bed");
   printText("printed along {:.3f},{:.3f},{:.3f}, {}\n", result.up[0], result.up[1], result.up[2],
             result.on_plate ? "flat on the plate" : "on supports");
   for (const LaidPiece& piece : result.laid)
@@ -120,7 +122,8 @@ void printPrepared(const SolidSource& source, const Prepared& result, const std:
               piece.size_mm[2], piece.is_on_base ? "on its base" : "upright, without a base");
   if (result.pockets.pockets.empty()) printText("no trapped resin and no suction cup\n");
   for (const Pocket& pocket : result.pockets.pockets) printText("WARNING: {}\n", describe(pocket));
-  if (result.pockets.small > 0)
+  constexpr double kFew = 5;  // mm^3
+  if (result.pockets.small_mm3 > kFew)
     printText("small pockets, such as letters: {}, {:.1f} mm3 together\n", result.pockets.small,
               result.pockets.small_mm3);
   for (const std::string& file : files) printText("written: {}\n", file);
@@ -133,7 +136,7 @@ Expected<void> prepare(const PrepareArguments& a) {
   KERF_TRY(source, readSolid(a.what, a.unit));
   KERF_TRY(words, wordsOf(a, source.name));
   for (const std::string& path : a.outputs) {
-    KERF_CHECK(requireNotInput(a.what, source, path));
+    KERF_CHECK(requireNotInput(a.what, path));
     KERF_CHECK(requireFree(path, a.overwrites));
   }
   auto result = [&] {
@@ -141,7 +144,7 @@ Expected<void> prepare(const PrepareArguments& a) {
     return prepareForPrint(source.solid, plan, words, progress.callback());
   }();
   if (!result) {
-    result.error().file = a.what;
+    if (result.error().file.empty()) result.error().file = a.what;
     return fail(std::move(result).error());
   }
 

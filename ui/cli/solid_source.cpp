@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <system_error>
 #include <utility>
+#include <vector>
 
+#include "geometry/case/case_bundle.h"
 #include "geometry/mesh/mesh_check.h"
 #include "sim/run/export/export_bundle.h"
 #include "sim/run/export/placed_pieces.h"
@@ -19,8 +22,9 @@ namespace fs = std::filesystem;
 
 // "arch" of "arch.stl", "arch.case" and "arch.case/".
 std::string stemOf(const fs::path& what) {
-  const fs::path file = what.has_filename() ? what : what.parent_path();
-  return file.stem().string();
+  std::error_code ignored;
+  const fs::path file = fs::weakly_canonical(what, ignored);
+  return (file.has_filename() ? file : file.parent_path()).stem().string();
 }
 
 // kerf bake closes open meshes and reports its changes.
@@ -30,8 +34,7 @@ Expected<SolidSource> readSolidMesh(const std::string& what, const std::string& 
   out.solid = std::move(read.mesh);
   out.name = stemOf(what);
   out.note = std::move(read.note);
-  if (read.unit != "mm")  // output is in single precision
-    for (Vec3d& p : out.solid.vertices) p = p.cast<float>().cast<double>();
+  for (Vec3d& p : out.solid.vertices) p = p.cast<float>().cast<double>();  // output is in single precision
   out.names = ObjectNames::ofMesh(out.solid, read.objects);
   const MeshReport report = checkMesh(out.solid);
   if (report.print_ready) return out;
@@ -56,27 +59,39 @@ Expected<SolidSource> readSolid(const std::string& what, const std::string& unit
   out.name = stemOf(what);
   out.solid = std::move(exported.post_op.mesh);
   out.names = std::move(exported.names);
-  fs::path folder = what;
-  if (is_run) {
-    KERF_TRY(of_run, caseOfRun(what));
-    folder = of_run;
-  }
-  KERF_TRY(manifest, readCaseManifest(folder));
-  out.of_case = std::move(manifest);
   for (const RunManifest::Piece& piece : exported.pieces)
     if (piece.isMoved()) out.note = "pieces are taken at their scan positions, not where they were moved";
   return out;
 }
 
-Expected<void> requireNotInput(const std::string& what, const SolidSource& source, const fs::path& output) {
-  if (source.of_case) return requireNoSource(output, *source.of_case);
+Expected<void> requireNotInput(const fs::path& input, const fs::path& output) {
+  const auto refuse = [&](const char* found) {
+    return fail({.code = Error::Code::kBadValue,
+                 .file = output.string(),
+                 .found = found,
+                 .expected = "another name: Kerf never overwrites a scan",
+                 .hint = "another name or folder"});
+  };
   std::error_code ignored;
-  if (!fs::equivalent(output, what, ignored)) return {};
-  return fail({.code = Error::Code::kBadValue,
-               .file = output.string(),
-               .found = "the input file",
-               .expected = "another name: Kerf never overwrites a scan",
-               .hint = "another name or folder"});
+  if (!isRun(input) && !isCase(input))
+    return fs::equivalent(output, input, ignored) ? refuse("an input file") : Expected<void>();
+
+  std::vector<fs::path> folders{input};
+  if (isRun(input)) {
+    KERF_TRY(of_run, caseOfRun(input));
+    folders.push_back(of_run);
+    if (const auto beside = casesBesideRun(input))  // those that are there
+      folders.insert(folders.end(), beside->begin(), beside->end());
+  }
+  for (const fs::path& folder : folders) {
+    const fs::path in = fs::weakly_canonical(output, ignored).lexically_relative(fs::canonical(folder, ignored));
+    if (!in.empty() && *in.begin() != ".." && fs::exists(output, ignored))
+      return refuse("a file in the folder of an input");
+    if (!isCase(folder)) continue;
+    KERF_TRY(manifest, readCaseManifest(folder));
+    KERF_CHECK(requireNoSource(output, manifest));
+  }
+  return {};
 }
 
 }  // namespace kerf::cli

@@ -2,20 +2,17 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 #include <string>
 
 #include "geometry/base/error.h"
-#include "geometry/case/case_bundle.h"
 #include "geometry/case/object_names.h"
 #include "geometry/mesh/mesh.h"
 
 namespace kerf::cli {
 
 struct SolidSource {
-  Mesh solid;                           ///< mm, float32-representable
-  std::string name;                     ///< of the folder or file, without its ending
-  std::optional<CaseManifest> of_case;  ///< of a case or a run
+  Mesh solid;        ///< mm, float32-representable
+  std::string name;  ///< of the folder or file, without its ending
   ObjectNames names;
   std::string note;  ///< for the user; may be empty
 };
@@ -25,7 +22,9 @@ struct SolidSource {
 /// Error kGeometry for a mesh that is no solid, with kerf bake as the remedy.   Shows progress on the terminal.
 Expected<SolidSource> readSolid(const std::string& what, const std::string& unit);
 
-/// Rejects overwriting the input: the mesh file itself, or a source of its case.
-Expected<void> requireNotInput(const std::string& what, const SolidSource& source, const std::filesystem::path& output);
+/// Rejects an output that would overwrite an input: the mesh file itself; a source of a case, of a run's case or of its
+/// neighbours, by its bytes; a file in the folder of an input.
+/// @param input  case, run or mesh file.   Error kBadValue; those of an unreadable run.   @cost  reads the old output.
+Expected<void> requireNotInput(const std::filesystem::path& input, const std::filesystem::path& output);
 
 }  // namespace kerf::cli

@@ -186,7 +186,8 @@ json trimJson(const char* name, const PostOpMesh& part) {
           {"crumbs_volume_mm3", r.crumbs_volume_mm3}};
 }
 
-json trimJson(const Cut& cut, const SolidSource& source, const PlaneCut& result, const std::vector<TrimOutput>& outputs) {
+json trimJson(const Cut& cut, const SolidSource& source, const PlaneCut& result,
+              const std::vector<TrimOutput>& outputs) {
   json planes = json::array(), files = json::array();
   for (const Plane& p : cut.planes)
     planes.push_back(
@@ -267,7 +268,7 @@ Expected<void> trim(const TrimArguments& a) {
   const TerminalProgress guard;  // Ctrl-C waits for complete files
   const std::vector<TrimOutput> outputs = trimOutputsOf(a, cut, *result);
   for (const TrimOutput& output : outputs) {
-    KERF_CHECK(requireNotInput(a.what, source, output.path));
+    KERF_CHECK(requireNotInput(a.what, output.path));
     KERF_CHECK(requireFree(output.path, a.overwrites));
   }
   for (const TrimOutput& output : outputs) {
