@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <map>
 #include <numbers>
@@ -224,8 +225,9 @@ std::optional<Drain> fromNearest(const Walls& walls, const MeshDistance& outside
 // The lowest place that a drain can have, then the ones farthest from those before.
 template <class Try>
 std::vector<Drain> chosen(std::vector<Vec3d> places, const Vec3d& up, std::size_t count, double apart_mm,
-                          const Try& drainAt) {
+                          const Try& drainAt, const std::function<bool()>& stops) {
   constexpr double kSameHeight = 0.05;  // mm: then the order of the places decides
+  constexpr double kNoPlace = -1;
   std::vector<Drain> out;
   std::stable_sort(places.begin(), places.end(), [&](const Vec3d& a, const Vec3d& b) {
     return std::floor(up.dot(a) / kSameHeight) < std::floor(up.dot(b) / kSameHeight);
@@ -234,7 +236,10 @@ std::vector<Drain> chosen(std::vector<Vec3d> places, const Vec3d& up, std::size_
   while (out.size() < count) {
     std::optional<Drain> drain;
     std::size_t at = 0;
-    for (; at < places.size() && !drain && away[at] > apart_mm; ++at) drain = drainAt(places[at]);
+    for (; at < places.size() && !drain && away[at] > apart_mm && !stops(); ++at) {
+      drain = drainAt(places[at]);
+      if (!drain) away[at] = kNoPlace;  // not tried again
+    }
     if (!drain) break;
     out.push_back(*drain);
     const Vec3d taken = places[at - 1];
@@ -248,16 +253,18 @@ std::vector<Drain> chosen(std::vector<Vec3d> places, const Vec3d& up, std::size_
 }
 
 std::vector<Drain> drainsOf(const Walls& walls, const MeshDistance& outside, std::size_t cavity,
-                            const DrainOptions& options) {
+                            const DrainOptions& options, const std::function<bool()>& stops) {
   const double apart = options.diameter_mm + 2 * kHoleClearance, step = stepOf(walls, cavity);
   for (const bool is_strict : {true, false}) {
     std::vector<Drain> out;
     if (options.side == DrainSide::kUnderside)
-      out = chosen(placesOf(walls, cavity, step, true), walls.up(), options.count, apart,
-                   [&](const Vec3d& p) { return fromBelow(walls, p, cavity, options, is_strict); });
+      out = chosen(
+          placesOf(walls, cavity, step, true), walls.up(), options.count, apart,
+          [&](const Vec3d& p) { return fromBelow(walls, p, cavity, options, is_strict); }, stops);
     if (out.empty())
-      out = chosen(placesOf(walls, cavity, step, false), walls.up(), options.count, apart,
-                   [&](const Vec3d& p) { return fromNearest(walls, outside, p, cavity, options, is_strict); });
+      out = chosen(
+          placesOf(walls, cavity, step, false), walls.up(), options.count, apart,
+          [&](const Vec3d& p) { return fromNearest(walls, outside, p, cavity, options, is_strict); }, stops);
     if (!out.empty()) return out;
   }
   return {};
@@ -271,6 +278,13 @@ Expected<Drain> byHand(const Walls& walls, const MeshDistance& outside, const Me
                  .found = "a number that is not finite",
                  .expected = "a point, mm"});
   const NearestOnMesh mouth = outside.nearest(place);
+  constexpr double kNear = 2;  // mm
+  if (mouth.distance_mm > kNear)
+    return fail({.code = Error::Code::kBadValue,
+                 .place = "drain at " + pointText(place),
+                 .found = fmt::format("a place {:.1f} mm from the surface", mouth.distance_mm),
+                 .expected = fmt::format("at most {} mm", kNear),
+                 .hint = "the nearest place, " + pointText(mouth.point)});
   std::vector<Vec3d> axes;
   if (options.side == DrainSide::kUnderside) axes.push_back(walls.up());
   const NearestOnMesh behind = inside.nearest(mouth.point);
@@ -313,11 +327,11 @@ Expected<void> checkOptions(const DrainOptions& o) {
                  .found = fmt::format("{} mm", o.diameter_mm),
                  .expected = fmt::format("{} to {} mm", RoundHole::kLeastDiameter, RoundHole::kMostDiameter),
                  .hint = "3.5 mm"});
-  if (o.count < 1 || o.count > 20)
+  if (o.count < 1 || o.count > kMostDrains)
     return fail({.code = Error::Code::kBadValue,
                  .place = "number of drains per cavity",
                  .found = fmt::format("{}", o.count),
-                 .expected = "1 to 20"});
+                 .expected = fmt::format("1 to {}", kMostDrains)});
   if (!o.build_direction.allFinite() || !(o.build_direction.norm() > 0))
     return fail({.code = Error::Code::kBadValue,
                  .place = "printing direction",
@@ -420,10 +434,16 @@ Expected<DrainPlan> placeDrains(const Mesh& hollow, const DrainOptions& options,
     }
   }
   for (std::size_t n = 0; n < out.cavities.size(); ++n) {
-    if (!report(progress, static_cast<double>(n) / static_cast<double>(out.cavities.size()), "placing drains"))
-      return cancelled();
+    bool is_stopped = false;
+    const auto stops = [&] {
+      is_stopped = is_stopped || !report(progress, static_cast<double>(n) / static_cast<double>(out.cavities.size()),
+                                         "placing drains");
+      return is_stopped;
+    };
+    if (stops()) return cancelled();
     if (has_drain[n]) continue;
-    const std::vector<Drain> drains = drainsOf(walls, outside, n, options);
+    const std::vector<Drain> drains = drainsOf(walls, outside, n, options, stops);
+    if (is_stopped) return cancelled();
     if (drains.empty())
       return fail(
           {.code = Error::Code::kGeometry,
@@ -431,7 +451,9 @@ Expected<DrainPlan> placeDrains(const Mesh& hollow, const DrainOptions& options,
            .found = fmt::format("no place for a drain of {} mm: the cavity has {:.1f} mm3, its lowest point is {}",
                                 options.diameter_mm, out.cavities[n].volume_mm3, pointText(out.cavities[n].lowest)),
            .expected = "a way through one wall, 0.5 mm away from other walls",
-           .hint = "a smaller diameter, or a larger least cavity when hollowing"});
+           .hint =
+               "a smaller diameter, or a larger least_cavity when hollowing; kerf bake --drop-specks for a bubble of "
+               "the scan"});
     out.drains.insert(out.drains.end(), drains.begin(), drains.end());
   }
   return out;

@@ -18,14 +18,16 @@ enum class DrainSide {
   kNearestWall,  ///< the shortest way through the wall
 };
 
+inline constexpr std::size_t kMostDrains = 20;  ///< for each cavity
+
 struct DrainOptions {
   double diameter_mm = 3.5;  ///< below 2 mm thick resin stays inside
   /// Per cavity. The second drain lets air in. A cavity too small for so many apart gets fewer, at least one.
   std::size_t count = 2;
   Vec3d build_direction = Vec3d::UnitZ();  ///< from the plate into the model, any length but 0
   DrainSide side = DrainSide::kUnderside;
-  /// Places by hand, mm: each makes a drain at the nearest point of the surface. Cavities without one get the drains
-  /// that Kerf places.
+  /// Places by hand, mm, at most 2 mm from the surface: each makes a drain at its nearest point. Cavities without one
+  /// get the drains that Kerf places.
   std::vector<Vec3d> at{};
 };
 

@@ -9,6 +9,7 @@
 #include "geometry/mesh/mesh_check.h"
 #include "geometry/mesh/solids.h"
 #include "preprocess/print/base_face.h"
+#include "preprocess/print/glyph_outlines.h"
 
 namespace kerf {
 namespace {
@@ -103,12 +104,24 @@ class Preparation {
       const Vec3d& mouth = plan.drains[n].hole.mouth;
       for (int axis = 0; axis < 3; ++axis) out.numbers[fmt::format("drain_{}_{}_mm", n + 1, "xyz"[axis])] = mouth[axis];
     }
+    if (holes.size() < plan.cavities.size() * options.count && options.at.empty())
+      out.warnings.push_back(fmt::format("room for {} of {} drains; one drain alone lets no air in", holes.size(),
+                                         plan.cavities.size() * options.count));
+    if (options.side == DrainSide::kUnderside && below < holes.size())
+      out.warnings.push_back(
+          fmt::format("{} drains lead through the nearest wall: no place from below", holes.size() - below));
     mesh = std::move(done.mesh);
     return out;
   }
 
   Expected<StepReport> run(const LabelStep& step, const Progress& progress) {
     LabelOptions label = step.label;
+    if (label.embossed && step.face == LabelFace::kUnderside)
+      return fail({.code = Error::Code::kBadValue,
+                   .place = "embossed",
+                   .found = "raised letters on the underside",
+                   .expected = "an engraved label there: the model would stand on its letters",
+                   .hint = "embossed = false, or on = \"side\""});
     KERF_TRY(text, withPlaceholders(label.text, words_));
     label.text = std::move(text);
     KERF_TRY(place, placeLabel(mesh, -up_, step.face, label, partOf(progress, 0, 0.4)));
@@ -145,13 +158,41 @@ const char* nameOf(const PrintStep& step) {
 
 }  // namespace
 
-Expected<Prepared> prepareForPrint(const Mesh& solid, const PrintPlan& plan,
+namespace {
+
+// Of a mesh file: vertices of no triangle would count in boxes and heights.
+Mesh withoutUnused(const Mesh& mesh) { return subset(mesh, std::vector<char>(mesh.triangles.size(), 1)); }
+
+Error inStep(Error error, std::size_t n, const PrintStep& step) {
+  error.place = fmt::format("step {}, {}{}{}", n + 1, nameOf(step), error.place.empty() ? "" : ": ", error.place);
+  return error;
+}
+
+// The texts of all labels, before the work of the steps.
+Expected<void> checkTexts(const PrintPlan& plan, const std::map<std::string, std::string>& words) {
+  for (std::size_t n = 0; n < plan.steps.size(); ++n) {
+    const auto* const step = std::get_if<LabelStep>(&plan.steps[n]);
+    if (!step) continue;
+    auto checked = [&]() -> Expected<void> {
+      KERF_TRY(text, withPlaceholders(step->label.text, words));
+      KERF_CHECK(internal::glyphOutlines(text, step->label.height_mm, step->label.align, step->label.font));
+      return {};
+    }();
+    if (!checked) return fail(inStep(std::move(checked).error(), n, plan.steps[n]));
+  }
+  return {};
+}
+
+}  // namespace
+
+Expected<Prepared> prepareForPrint(const Mesh& source, const PrintPlan& plan,
                                    const std::map<std::string, std::string>& words, const Progress& progress) {
+  KERF_CHECK(checkTexts(plan, words));
+  const Mesh solid = withoutUnused(source);
   const auto base = findBase(solid, plan.up ? Vec3d(-*plan.up) : Vec3d(Vec3d::Zero()));
   if (!plan.up && !base) return fail(noBase());
   Prepared out;
   out.up = plan.up ? *plan.up : Vec3d(-base->plane.normal);
-  out.on_plate = base && -base->plane.normal.dot(out.up) > kOnPlate;
   out.source_mm3 = signedVolume(solid);
 
   std::optional<PrintBed> bed;
@@ -175,8 +216,10 @@ Expected<Prepared> prepareForPrint(const Mesh& solid, const PrintPlan& plan,
   }
 
   out.source_vertices_kept = verticesKept(solid, run.mesh);
+  const auto stands_on = findBase(run.mesh, -out.up);
+  out.on_plate = stands_on && -stands_on->plane.normal.dot(out.up) > kOnPlate;
   if (bed) {
-    KERF_TRY(laid, laidOnBed(run.mesh, out.up, *bed, partOf(progress, 0.8, 0.85)));
+    KERF_TRY(laid, laidOnBed(run.mesh, out.up, *bed, partOf(progress, 0.8, 0.85), plan.up.has_value()));
     run.mesh = std::move(laid.mesh);
     out.laid = std::move(laid.pieces);
     out.up = Vec3d::UnitZ();

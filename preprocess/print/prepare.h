@@ -33,12 +33,13 @@ struct Prepared {
   Pockets pockets;  ///< of the result: trapped resin and suction cups
 };
 
-/// Runs the steps in their order, then checks the whole as it is printed and searches for pockets.
+/// Checks the texts of the labels, runs the steps in their order on the source without unused vertices, then checks the
+/// whole as it is printed and searches for pockets.
 /// @param words  for the placeholders of labels: "case", "date", "tooth".
 /// Guarantees: the result is print-ready by checkMesh(). Errors: those of the steps, with the number of the step;
 /// kGeometry if the model has no flat base and the plan no `up`.
 /// @pre  print-ready by checkMesh(); mm.   @cost  sum of the steps. @thread any; deterministic.
-Expected<Prepared> prepareForPrint(const Mesh& solid, const PrintPlan& plan,
+Expected<Prepared> prepareForPrint(const Mesh& source, const PrintPlan& plan,
                                    const std::map<std::string, std::string>& words, const Progress& progress = {});
 
 }  // namespace kerf

@@ -22,6 +22,7 @@ namespace {
 
 constexpr double kGap = 3;                         // mm between boxes
 constexpr double kFlatZ = 5e-5;                    // mm: rounding of a turned base
+constexpr double kUpright = 0.906;                 // cosine
 constexpr double kTurnStep = 5;                    // degrees
 constexpr double kLeastBed = 10, kMostBed = 2000;  // mm
 
@@ -58,9 +59,10 @@ Box3 boxOf(const Mesh& mesh, const Eigen::Quaterniond& turn) {
   return out;
 }
 
-Upright upright(const Mesh& piece, const Vec3d& up) {
+Upright upright(const Mesh& piece, const Vec3d& up, bool keeps_up) {
   Upright out;
-  const auto base = findBase(piece, -up);
+  auto base = findBase(piece, -up);
+  if (keeps_up && base && base->plane.normal.dot(-up) < kUpright) base.reset();
   out.is_on_base = base.has_value();
   const auto stand = Eigen::Quaterniond::FromTwoVectors(base ? Vec3d(-base->plane.normal) : up, Vec3d::UnitZ());
   double least = std::numeric_limits<double>::infinity();
@@ -156,16 +158,27 @@ Expected<PrintBed> printBedOf(const std::string& words) {
                .hint = "145x145x185: width, depth and height of its build volume, mm"});
 }
 
-Expected<Laid> laidOnBed(const Mesh& mesh, const Vec3d& up, const PrintBed& bed, const Progress& progress) {
+Expected<Laid> laidOnBed(const Mesh& mesh, const Vec3d& up, const PrintBed& bed, const Progress& progress,
+                         bool keeps_up) {
   const Solids solids = solidsOf(mesh);
   const std::vector<Mesh> pieces = separated(mesh, solids);
   std::vector<Upright> stand;
   for (std::size_t n = 0; n < pieces.size(); ++n) {
     if (!report(progress, 0.4 * static_cast<double>(n) / static_cast<double>(pieces.size()), "laying on the bed"))
       return cancelled();
-    stand.push_back(upright(pieces[n], up));
+    stand.push_back(upright(pieces[n], up, keeps_up));
   }
-  const std::vector<Vec3d> corners = rowsOf(stand, bed.size_mm);
+  std::vector<Vec3d> corners = rowsOf(stand, bed.size_mm);
+  if (corners.empty()) {  // a quarter of a turn, each
+    const Eigen::Quaterniond quarter(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3d::UnitZ()));
+    std::vector<Upright> turned = stand;
+    for (std::size_t n = 0; n < pieces.size(); ++n) {
+      turned[n].turn = quarter * stand[n].turn;
+      turned[n].box = boxOf(pieces[n], turned[n].turn);
+    }
+    corners = rowsOf(turned, bed.size_mm);
+    if (!corners.empty()) stand = std::move(turned);
+  }
   if (corners.empty()) {
     std::string sizes;
     for (const Upright& piece : stand) sizes += (sizes.empty() ? "" : ", ") + sizeOf(piece.box.size());

@@ -38,6 +38,8 @@ struct Laid {
 /// smallest box. The bottom of a base is exactly flat, at z = 0.
 /// @pre  ready to print.   Errors: kBadValue if the pieces do not fit, with their size; kGeometry of rigidlyMoved();
 /// kCancelled.   @cost  1 s for 300k triangles. @thread any; deterministic.
-Expected<Laid> laidOnBed(const Mesh& mesh, const Vec3d& up, const PrintBed& bed, const Progress& progress = {});
+/// @param keeps_up  lays only on bases within 25 degrees of `up`.
+Expected<Laid> laidOnBed(const Mesh& mesh, const Vec3d& up, const PrintBed& bed, const Progress& progress = {},
+                         bool keeps_up = false);
 
 }  // namespace kerf

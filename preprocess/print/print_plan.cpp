@@ -5,12 +5,12 @@
 #include <algorithm>
 
 #include "geometry/base/toml_reader.h"
+#include "preprocess/voxelize/voxelize.h"
 
 namespace kerf {
 namespace {
 
 constexpr std::size_t kMostSteps = 50;
-constexpr std::int64_t kMostDrains = 50;  // for each cavity
 constexpr double kLeastLabelHeight = 0.5, kMostLabelHeight = 100, kLeastLabelDepth = 0.05,
                  kMostLabelDepth = 10;  // mm, of a label
 
@@ -32,7 +32,8 @@ HollowOptions readHollow(TomlTable& t) {
   HollowOptions out;
   out.wall_mm = t.numberOr("wall", out.wall_mm, kLeastWall, kMostWall);
   out.rounding_mm = t.numberOr("rounding", out.rounding_mm, 0, kMostWall);
-  out.voxel_mm = t.numberOr("voxel", out.voxel_mm, 0, kMostWall);
+  if (t.has("voxel")) out.voxel_mm = t.number("voxel", kSmallestVoxel, 0.25 * out.wall_mm);
+  t.allow("voxel");
   out.least_cavity_mm3 = t.numberOr("least_cavity", out.least_cavity_mm3, 0, 1e6, "mm3");
   return out;
 }
@@ -41,7 +42,7 @@ DrainOptions readDrain(TomlTable& t) {
   DrainOptions out;
   out.diameter_mm = t.numberOr("diameter", out.diameter_mm, RoundHole::kLeastDiameter, RoundHole::kMostDiameter);
   const auto count = t.getOr<std::int64_t>("count", static_cast<std::int64_t>(out.count), "a whole number");
-  if (!t.failed() && (count < 1 || count > kMostDrains))
+  if (!t.failed() && (count < 1 || count > static_cast<std::int64_t>(kMostDrains)))
     t.reject("count", fmt::format("{}", count), fmt::format("1 to {}", kMostDrains));
   out.count = static_cast<std::size_t>(std::max<std::int64_t>(count, 1));
   out.side = wordOf(t, "side", {"underside", "nearest"}) == 0 ? DrainSide::kUnderside : DrainSide::kNearestWall;

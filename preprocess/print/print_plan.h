@@ -9,7 +9,8 @@
 //   [[step]]
 //   do = "hollow"
 //   wall = 2                       # mm
-//   rounding = 0.5                 # mm, radius of the cavity's edges
+//   rounding = 0.3                 # mm, radius of the cavity's edges
+//   least_cavity = 30              # mm3; smaller ones stay full
 //   voxel = 0.15                   # mm; default: a twelfth of the wall
 //
 //   [[step]]

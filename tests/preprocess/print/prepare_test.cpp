@@ -79,7 +79,7 @@ TEST_F(PrintPlans, WrongOnesAreRefusedByLineAndKey) {
   refuses("[[step]]\ndo = \"hollow\"\nwall = 0.1\n", "line 5");
   refuses("[[step]]\ndo = \"bake\"\n", "\"hollow\", \"drain\" or \"label\"");
   refuses("[[step]]\nwall = 2\n", "do");
-  refuses("[[step]]\ndo = \"drain\"\ncount = 0\n", "1 to 50");
+  refuses("[[step]]\ndo = \"drain\"\ncount = 0\n", "1 to 20");
   refuses("[[step]]\ndo = \"drain\"\ncount = 1.5\n", "whole number");
   refuses("[[step]]\ndo = \"drain\"\nside = \"top\"\n", "\"underside\", \"nearest\"");
   refuses("[[step]]\ndo = \"label\"\n", "text");

@@ -125,6 +125,23 @@ TEST(PrintBed, ACavityStaysInItsPieceAndAPieceWithoutABaseStandsUpright) {
   EXPECT_TRUE(checkMesh(laid->mesh).print_ready);
 }
 
+TEST(PrintBed, ALongPieceLiesAlongALongBedHoweverItWasScanned) {
+  for (const Vec3d& size : {Vec3d(110, 20, 12), Vec3d(20, 110, 12)})
+    for (const Vec3d& bed : {Vec3d(119, 67, 75), Vec3d(67, 119, 75)}) {
+      const auto laid = laidOnBed(box({0, 0, 0}, size), Vec3d::UnitZ(), {"test", bed});
+      ASSERT_TRUE(laid) << laid.error().message();
+      EXPECT_TRUE((bounds(laid->mesh).max.array() <= bed.array()).all());
+    }
+}
+
+TEST(PrintBed, AGivenDirectionIsKept) {
+  const auto laid =
+      laidOnBed(box({0, 0, 0}, {20, 20, 20}), Vec3d(1, 1, 1).normalized(), {"test", {60, 60, 60}}, {}, true);
+  ASSERT_TRUE(laid) << laid.error().message();
+  EXPECT_FALSE(laid->pieces[0].is_on_base);
+  EXPECT_NEAR(bounds(laid->mesh).size()[2], 20 * std::sqrt(3), 1e-3) << "it stands on its corner";
+}
+
 TEST(PrintBed, WhatDoesNotFitIsRefusedWithItsSize) {
   const auto laid = laidOnBed(dome(6, 4), Vec3d::UnitZ(), {"small", {11, 30, 30}});
   ASSERT_FALSE(laid);
