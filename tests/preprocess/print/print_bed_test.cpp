@@ -142,7 +142,7 @@ TEST(PrintBed, AGivenDirectionIsKept) {
   EXPECT_NEAR(bounds(laid->mesh).size()[2], 20 * std::sqrt(3), 1e-3) << "it stands on its corner";
 }
 
-TEST(PrintBed, WhatDoesNotFitIsRefusedWithItsSize) {
+TEST(PrintBed, APieceTooLargeIsRefusedWithItsSize) {
   const auto laid = laidOnBed(dome(6, 4), Vec3d::UnitZ(), {"small", {11, 30, 30}});
   ASSERT_FALSE(laid);
   EXPECT_EQ(laid.error().code, Error::Code::kBadValue);
