@@ -80,7 +80,7 @@ TEST(PrintBed, APieceLiesOnItsBaseExactlyFlat) {
     EXPECT_EQ(flat, 257u) << "the rim and the middle";
     EXPECT_TRUE(checkMesh(laid->mesh).print_ready);
     EXPECT_NEAR(signedVolume(laid->mesh), signedVolume(mesh), 1e-3);
-    // The motion that is told is the motion.
+    // The reported motion is the motion.
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
       ASSERT_NEAR((laid->pieces[0].T_bed_scan * mesh.vertices[v] - laid->mesh.vertices[v]).norm(), 0, 2e-4);
   }
