@@ -11,6 +11,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <deque>
 #include <functional>
 #include <numbers>
 #include <optional>
@@ -165,7 +166,7 @@ class Workshop {
   }
 
   Expected<void> frame() {
-    const bool comes_at_once = options_.frames > 0 || desktop_.isBehind();
+    const bool comes_at_once = options_.frames > 0 || desktop_.isBehind() || !enters_.empty();
     comes_at_once ? glfwPollEvents() : glfwWaitEventsTimeout(pause());
     glfwGetWindowSize(desktop_.window(), &window_width_, &window_height_);
     glfwGetFramebufferSize(desktop_.window(), &context_.width, &context_.height);
@@ -352,6 +353,10 @@ class Workshop {
 
   void handleInput() {
     const ImGuiIO& io = ImGui::GetIO();
+    if (!enters_.empty() && !desktop_.isBehind()) {
+      key(enters_.front(), io.WantTextInput);
+      enters_.pop_front();
+    }
     for (const InputEvent& e : desktop_.takeEvents()) {
       last_input_ = Clock::now();
       switch (e.kind) {
@@ -359,7 +364,11 @@ class Workshop {
           bench_.imports->addMore(e.paths);
           break;
         case InputEvent::Kind::kKey:
-          key(e, io.WantTextInput);
+          // Enter ends a text: in slow frames a part of it still waits for the panels.
+          if (isEnter(e) && io.WantTextInput && !palette_.isShown() && (desktop_.isBehind() || !enters_.empty()))
+            enters_.push_back(e);
+          else
+            key(e, io.WantTextInput);
           break;
         case InputEvent::Kind::kCharacter:
           if (palette_.isShown()) palette_.type(e.path);
@@ -420,6 +429,10 @@ class Workshop {
     if (!context_.panels["device"]) return;
     panels_.devices = {knob, space_mouse_link_.name(), space_mouse_link_.trouble(),   space_mouse_link_.battery(),
                        pad,  game_controller_.name(),  game_controller_.isJoystick(), game_controller_.canShake()};
+  }
+
+  static bool isEnter(const InputEvent& e) {
+    return e.is_down && (e.key == GLFW_KEY_ENTER || e.key == GLFW_KEY_KP_ENTER);
   }
 
   // During text input only closing the window and Ctrl with a letter that no field uses are commands.
@@ -705,6 +718,7 @@ class Workshop {
   bool is_led_by_device_ = false;  // the mouse has not moved since
   std::optional<ToolOverSurface> over_;
   Clock::time_point last_input_ = Clock::now();
+  std::deque<InputEvent> enters_;  ///< waiting until the panels have the text before them
   Clock::time_point fitted_at_{};  ///< the first view of the document
   Box3 fitted_;                    ///< then
   bool is_look_held_ = false;      ///< the key of view.as-loaded is down
