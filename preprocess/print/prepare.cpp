@@ -206,12 +206,7 @@ Expected<Prepared> prepareForPrint(const Mesh& source, const PrintPlan& plan,
   for (std::size_t n = 0; n < plan.steps.size(); ++n) {
     const Progress part = partOf(progress, share * static_cast<double>(n), share * static_cast<double>(n + 1));
     auto report = std::visit([&](const auto& step) { return run.run(step, part); }, plan.steps[n]);
-    if (!report) {
-      Error error = std::move(report).error();
-      error.place =
-          fmt::format("step {}, {}{}{}", n + 1, nameOf(plan.steps[n]), error.place.empty() ? "" : ": ", error.place);
-      return fail(std::move(error));
-    }
+    if (!report) return fail(inStep(std::move(report).error(), n, plan.steps[n]));
     out.steps.push_back(std::move(*report));
   }
 

@@ -23,7 +23,7 @@ struct StepReport {
 };
 
 struct Prepared {
-  Mesh mesh;  ///< float32-representable; surviving vertices of the source bit for bit, coloured
+  Mesh mesh;  ///< float32-representable; surviving vertices of the source bit for bit until the bed
   std::size_t source_vertices_kept = 0;  ///< before the bed
   std::vector<LaidPiece> laid;           ///< on a bed: `mesh`, `up` and `pockets` are in its frame
   Vec3d up = Vec3d::UnitZ();             ///< unit, from the build plate into the model

@@ -215,7 +215,9 @@ TEST(Pockets, AgreesWithTheLayersOneByOne) {
     EXPECT_NEAR(volume[PocketKind::kSealed], sealed, 1e-9) << round;
     EXPECT_NEAR(volume[PocketKind::kCup], trappedByLayers(cells, kSide, true, false) - sealed, 1e-9) << round;
     EXPECT_NEAR(volume[PocketKind::kPool], trappedByLayers(cells, kSide, false, false) - sealed, 1e-9) << round;
-    seals += sealed, cups += volume[PocketKind::kCup], pools += volume[PocketKind::kPool];
+    seals += sealed;
+    cups += volume[PocketKind::kCup];
+    pools += volume[PocketKind::kPool];
   }
   EXPECT_GT(std::min({seals, cups, pools}), 100);  // the solids had pockets of each kind
 }
